@@ -1,0 +1,38 @@
+"""Errors of the stack: each says what was given, what was expected and what exists."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+class GhcError(Exception):
+    """Root of every error that this stack raises on purpose."""
+
+
+class UnknownName(GhcError):
+    """A name that does not exist; carries the ones that do."""
+
+    def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
+        self.kind = kind
+        self.given = given
+        self.known = tuple(known)
+        existing = ", ".join(self.known) if self.known else "none"
+        super().__init__(f"unknown {kind} '{given}'; known: {existing}")
+
+
+class WrongSize(GhcError):
+    """A value with the wrong number of entries."""
+
+    def __init__(self, what: str, given: object, expected: object) -> None:
+        self.what = what
+        self.given = given
+        self.expected = expected
+        super().__init__(f"{what}: size {given} given, {expected} expected")
+
+
+class InvalidValue(GhcError):
+    """A value outside its domain (not finite, out of range, malformed)."""
+
+
+class ConfigurationError(GhcError):
+    """A file or parameter that cannot be used; names the file and the field."""
