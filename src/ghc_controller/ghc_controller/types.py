@@ -25,7 +25,7 @@ class RobotState:
     q: Array  # (nq,) [rad]
     v: Array  # (n,) [rad/s]
     torque: Array | None = None  # (a,) [Nm] torque applied over the last control period
-    wrenches: Mapping[str, Array] = field(default=_NO_WRENCHES)
+    wrenches: Mapping[str, Array] = field(default_factory=lambda: _NO_WRENCHES)
     # name -> (6,) force [N], torque [Nm] of the surroundings on the robot, world axes
     epoch: int = 0  # counts resets: time runs backwards only when it changes
 

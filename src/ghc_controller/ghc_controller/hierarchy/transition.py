@@ -1,0 +1,76 @@
+"""A continuous change from one priority matrix to another."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+from ..errors import InvalidValue
+from ..types import Array
+from .priority_matrix import PriorityMatrix
+
+
+class Profile(Enum):
+    """How alpha moves from start to target over the normalised time s in [0, 1]."""
+
+    COSINE = "cosine"  # eq. 15 of the GHC paper
+    LINEAR = "linear"
+    MINIMUM_JERK = "minimum_jerk"  # 10 s^3 - 15 s^4 + 6 s^5
+
+    @classmethod
+    def parse(cls, name: str) -> Profile:
+        """Profile of that name; "" is the cosine of eq. 15."""
+        try:
+            return cls(name or "cosine")
+        except ValueError:
+            known = ", ".join(profile.value for profile in cls)
+            raise InvalidValue(f"unknown profile '{name}'; known: {known}") from None
+
+    def progress(self, s: float) -> float:
+        """Share of the way at normalised time s, clipped to [0, 1]."""
+        if s <= 0.0:
+            return 0.0
+        if s >= 1.0:
+            return 1.0
+        if self is Profile.COSINE:
+            return 0.5 - 0.5 * math.cos(math.pi * s)
+        if self is Profile.LINEAR:
+            return s
+        return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """A requested ramp to `target`; it starts from the matrix in force at `start`.
+
+    Raises:
+        InvalidValue: a duration that is negative or not finite.
+    """
+
+    target: PriorityMatrix
+    start: float  # [s]
+    duration: float  # [s]
+    profile: Profile = Profile.COSINE
+    id: str = ""
+    hierarchy: str = ""  # the target as the user wrote it; empty when given as a matrix
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.duration) or self.duration < 0.0:
+            raise InvalidValue(
+                f"duration = {self.duration} s given, a number of at least 0 expected"
+            )
+        if not math.isfinite(self.start):
+            raise InvalidValue(f"start = {self.start} s given, a finite time expected")
+
+    @property
+    def end(self) -> float:
+        """Time at which the target is reached [s]."""
+        return self.start + self.duration
+
+    def alpha(self, initial: Array, time: float) -> Array:
+        """(k, k) matrix at `time` for a ramp that left `initial` at `start` (eq. 15)."""
+        span = time - self.start
+        s = 1.0 if span >= self.duration else span / self.duration
+        share = self.profile.progress(s)
+        return initial + share * (self.target.alpha - initial)

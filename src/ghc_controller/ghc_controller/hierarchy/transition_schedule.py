@@ -1,0 +1,144 @@
+"""The priority matrix over time: scheduled, running and finished transitions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from ..errors import InvalidValue
+from ..types import Array
+from .priority_matrix import PriorityMatrix
+from .transition import Transition
+
+_RAMP_SAMPLES = 9  # matrices looked at between start and target of a requested ramp
+
+
+class TransitionPhase(Enum):
+    """What happens to a transition; the names of ghc_msgs/TransitionStatus."""
+
+    ACCEPTED = "ACCEPTED"
+    ACTIVE = "ACTIVE"
+    DONE = "DONE"
+    PREEMPTED = "PREEMPTED"
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionEvent:
+    """One change of phase of one transition."""
+
+    transition: Transition
+    phase: TransitionPhase
+    time: float  # [s]
+
+
+class TransitionSchedule:
+    """Holds the matrix in force; the newest transition replaces the whole target.
+
+    `smallest_singular_value(alpha)` is that of [P_1 .. P_k] at the present configuration: below
+    `tolerance` eq. 13b of the GHC paper has no solution and the transition is refused.
+    """
+
+    def __init__(
+        self,
+        initial: PriorityMatrix,
+        smallest_singular_value: Callable[[Array], float],
+        tolerance: float = 1e-3,
+    ) -> None:
+        self._initial = initial
+        self._sigma = smallest_singular_value
+        self._tolerance = tolerance
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the initial matrix, with no transition left."""
+        self.tasks = self._initial.tasks
+        self.alpha: Array = self._initial.alpha
+        self.target = self._initial
+        self.sigma_min = float("nan")
+        self._ramp_from: Array = self._initial.alpha
+        self._running: Transition | None = None
+        self._pending: list[Transition] = []
+
+    @property
+    def in_transition(self) -> bool:
+        """True while a ramp is running."""
+        return self._running is not None
+
+    @property
+    def running(self) -> Transition | None:
+        """The ramp under way."""
+        return self._running
+
+    @property
+    def pending(self) -> tuple[Transition, ...]:
+        """Accepted transitions that have not started, earliest first."""
+        return tuple(self._pending)
+
+    def is_repeat(self, transition: Transition) -> bool:
+        """True for a request that changes nothing: the same target, due now, already in force."""
+        return (
+            not self._pending
+            and np.array_equal(transition.target.alpha, self.target.alpha)
+            and (self._running is None or transition.id == self._running.id)
+        )
+
+    def check_solvable(self, transition: Transition) -> float:
+        """Smallest singular value of [P_1 .. P_k] on the whole ramp.
+
+        Raises:
+            InvalidValue: it falls below the tolerance (eq. 13b unsolvable).
+        """
+        before = [t for t in self._pending if t.start <= transition.start]
+        start = before[-1].target.alpha if before else self.alpha
+        goal = transition.target.alpha
+        smallest = self._sigma(goal)
+        free_rows = (start.sum(axis=1) == 0.0) & (goal.sum(axis=1) == 0.0)
+        if not free_rows.any():  # no projector stays the identity all the way: look at the ramp
+            ramp = np.linspace(0.0, 1.0, _RAMP_SAMPLES)
+            smallest = min(smallest, *(self._sigma(start + s * (goal - start)) for s in ramp))
+        if not smallest >= self._tolerance:
+            raise InvalidValue(
+                "the equation of motion (13b) would be unsolvable: smallest singular value of "
+                f"[P_1 .. P_k] {smallest:.1e} on the ramp, at least {self._tolerance:.0e} "
+                "expected; leave one task that no other restricts (a row of zeros) among "
+                f"{', '.join(self.tasks)}"
+            )
+        return smallest
+
+    def add(self, transition: Transition, now: float) -> list[TransitionEvent]:
+        """Accept a checked transition; one due now starts at the next `advance`."""
+        self.sigma_min = self._sigma(transition.target.alpha)
+        self._pending.append(transition)
+        self._pending.sort(key=lambda t: t.start)  # stable: of equal starts the newest wins
+        return [TransitionEvent(transition, TransitionPhase.ACCEPTED, now)]
+
+    def advance(self, now: float) -> list[TransitionEvent]:
+        """Bring `alpha` to time `now`; returns what happened on the way, in order."""
+        events: list[TransitionEvent] = []
+        while self._pending and self._pending[0].start <= now:
+            transition = self._pending.pop(0)
+            self._move_to(transition.start, events)
+            if self._running is not None:
+                events.append(
+                    TransitionEvent(self._running, TransitionPhase.PREEMPTED, transition.start)
+                )
+            self._ramp_from = self.alpha
+            self._running = transition
+            self.target = transition.target
+            events.append(TransitionEvent(transition, TransitionPhase.ACTIVE, transition.start))
+        self._move_to(now, events)
+        return events
+
+    def _move_to(self, time: float, events: list[TransitionEvent]) -> None:
+        running = self._running
+        if running is None:
+            return
+        if time >= running.end:
+            self.alpha = running.target.alpha
+            self._running = None
+            events.append(TransitionEvent(running, TransitionPhase.DONE, running.end))
+        else:
+            self.alpha = running.alpha(self._ramp_from, time)
