@@ -1,0 +1,84 @@
+"""The interface that every formulation shares, and the choice between them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from enum import Enum
+
+from ..errors import InvalidValue
+from ..hierarchy.projector import ProjectorSettings
+from ..qp import QpSolver
+from ..types import Array
+from .problem import ControlProblem
+
+
+class TorqueRegularization(Enum):
+    """What the weight on torque pulls to; around zero it costs task error under gravity."""
+
+    NONE = "none"
+    BIAS = "bias"  # tau - h
+    ZERO = "zero"  # tau
+
+
+@dataclass(frozen=True, slots=True)
+class FormulationSettings:
+    """Numbers shared by the formulations.
+
+    Raises:
+        InvalidValue: a weight that is not positive.
+    """
+
+    regularization: float = 1e-2  # [-] w: weight on nu'_i (ghc) or damping |x|^2 per level
+    torque_regularization: TorqueRegularization = TorqueRegularization.NONE
+    torque_weight: float = 1e-2  # [-] on |tau - reference|^2, ghc and ghc_full only
+    metric_ratio: float = 1e4  # [-] kappa: what yields between two levels under active bounds
+    weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
+    rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
+    slack_weight: float = 1e6  # [-] on soft rows that give way
+    projector: ProjectorSettings = ProjectorSettings()
+
+    def __post_init__(self) -> None:
+        for name in ("regularization", "metric_ratio", "weight_ratio", "slack_weight"):
+            value = getattr(self, name)
+            if not value > 0.0:
+                raise InvalidValue(f"{name} = {value} given, a positive number expected")
+
+
+class SolutionStatus(Enum):
+    """How the torque came about; the numbers of ghc_msgs/ControllerState."""
+
+    SOLVED = 0
+    RELAXED = 1
+    FAILED = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """Accelerations, contact forces and torques of one control problem."""
+
+    acceleration: Array  # (n,) x
+    force: Array  # (c,) contact forces
+    torque: Array  # (a,) [Nm]
+    status: SolutionStatus
+    qp_solved: bool  # False: the unconstrained optimum met every bound
+    primal_residual: float = 0.0  # largest violation of a hard row
+    dual_residual: float = 0.0
+    iterations: int = 0
+    acceleration_slack: Array | None = None  # (n,) by how far the soft box gave way
+    rows_slack: Array | None = None  # (r,) by how far the general rows gave way
+    rate_gave_way: bool = False
+
+
+class Formulation(ABC):
+    """Turns a control problem into accelerations, contact forces and torques."""
+
+    name: str
+
+    def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
+        self.settings = settings
+        self.solver = solver
+
+    @abstractmethod
+    def solve(self, problem: ControlProblem) -> Solution:
+        """Solve one tick; `status` is FAILED when no answer meets the hard rows."""

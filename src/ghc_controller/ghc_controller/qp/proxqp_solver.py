@@ -1,0 +1,75 @@
+"""ProxQP (proxsuite), dense backend: one workspace per problem size, updated per solve."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Any
+
+from proxsuite import proxqp
+
+from .problem import QpProblem, QpResult, QpStatus
+from .solver import QpSolver, SolverSettings
+
+_STATUS = {
+    proxqp.QPSolverOutput.PROXQP_SOLVED: QpStatus.SOLVED,
+    proxqp.QPSolverOutput.PROXQP_MAX_ITER_REACHED: QpStatus.ITERATION_LIMIT,
+    proxqp.QPSolverOutput.PROXQP_PRIMAL_INFEASIBLE: QpStatus.INFEASIBLE,
+    proxqp.QPSolverOutput.PROXQP_DUAL_INFEASIBLE: QpStatus.FAILED,
+}
+_MAX_WORKSPACES = 8  # sizes kept; nominal, relaxed and one per level of a cascade
+
+
+class ProxqpSolver(QpSolver):
+    """Augmented-Lagrangian solver; starts from the previous answer of the same size with fresh penalties:
+    penalties carried over from another problem make it miss its iteration limit."""
+
+    name = "proxqp"
+
+    def __init__(self, settings: SolverSettings) -> None:
+        self._settings = settings
+        self._workspaces: OrderedDict[tuple[int, int, int], Any] = OrderedDict()
+
+    def solve(self, problem: QpProblem) -> QpResult:
+        """See QpSolver.solve."""
+        sizes = (problem.g.shape[0], problem.b.shape[0], problem.l.shape[0])
+        workspace = self._workspaces.get(sizes)
+        if workspace is None:
+            workspace = self._new_workspace(sizes)
+            workspace.init(
+                problem.H, problem.g, problem.A, problem.b, problem.C, problem.l, problem.u
+            )
+        else:
+            workspace.update(
+                H=problem.H,
+                g=problem.g,
+                A=problem.A,
+                b=problem.b,
+                C=problem.C,
+                l=problem.l,
+                u=problem.u,
+                update_preconditioner=True,
+            )
+        workspace.solve()
+        results = workspace.results
+        status = _STATUS.get(results.info.status, QpStatus.FAILED)
+        answer = QpResult(
+            results.x.copy(), results.y.copy(), results.z.copy(), status, results.info.iter
+        )
+        if status is not QpStatus.SOLVED:
+            del self._workspaces[sizes]  # multipliers of a conflict spoil the next warm start
+        return answer
+
+    def _new_workspace(self, sizes: tuple[int, int, int]) -> Any:
+        workspace = proxqp.dense.QP(*sizes)
+        settings = workspace.settings
+        settings.eps_abs = self._settings.tolerance
+        settings.eps_rel = 0.0
+        settings.max_iter = self._settings.max_iterations
+        # The defaults report false infeasibility where force bounds are small.
+        settings.eps_primal_inf = 1e-14
+        settings.eps_dual_inf = 1e-14
+        settings.initial_guess = proxqp.InitialGuess.COLD_START_WITH_PREVIOUS_RESULT
+        self._workspaces[sizes] = workspace
+        if len(self._workspaces) > _MAX_WORKSPACES:
+            self._workspaces.popitem(last=False)
+        return workspace

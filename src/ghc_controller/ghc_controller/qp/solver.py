@@ -1,0 +1,54 @@
+"""The interface of a QP solver and the choice between them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..errors import UnknownName
+from .problem import QpProblem, QpResult
+
+
+@dataclass(frozen=True, slots=True)
+class SolverSettings:
+    """Tolerance and effort of a solve, the same words for every solver."""
+
+    tolerance: float = 1e-9  # largest primal and dual residual, in the QP's own scale
+    max_iterations: int = 200  # proxqp: outer iterations; daqp: 20 times as many pivots
+
+
+class QpSolver(ABC):
+    """Solves one QP after the other; sizes may change between calls."""
+
+    name: str
+
+    @abstractmethod
+    def solve(self, problem: QpProblem) -> QpResult:
+        """Solve; never raises for a problem without solution, `status` says so."""
+
+
+def _proxqp(settings: SolverSettings) -> QpSolver:
+    from .proxqp_solver import ProxqpSolver
+
+    return ProxqpSolver(settings)
+
+
+def _daqp(settings: SolverSettings) -> QpSolver:
+    from .daqp_solver import DaqpSolver
+
+    return DaqpSolver(settings)
+
+
+SOLVERS: dict[str, Callable[[SolverSettings], QpSolver]] = {"proxqp": _proxqp, "daqp": _daqp}
+
+
+def make_solver(name: str, settings: SolverSettings | None = None) -> QpSolver:
+    """Solver of that name.
+
+    Raises:
+        UnknownName: no such solver; the message lists those that exist.
+    """
+    if name not in SOLVERS:
+        raise UnknownName("QP solver", name, SOLVERS)
+    return SOLVERS[name](settings or SolverSettings())
