@@ -1,0 +1,151 @@
+"""Nodes as processes of their own: found through the ament index, watched, and ended in order."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+from ghc_controller.errors import GhcError, UnknownName
+
+_TAIL_LINES = 15
+_PR_SET_PDEATHSIG = 1  # of linux/prctl.h
+_LIBC = ctypes.CDLL(None)  # loaded here, since a child may not do it between fork and exec
+
+
+class ProcessFailure(GhcError):
+    """A node ended although it should not have."""
+
+
+def find_executable(package: str, executable: str) -> Path:
+    """Installed executable of a package, resolved as `ros2 run` does.
+
+    Raises GhcError when the package is not in the ament index, UnknownName for the executable.
+    """
+    try:
+        prefix = Path(get_package_prefix(package))
+    except (PackageNotFoundError, KeyError) as error:
+        raise GhcError(f"package '{package}' is not in the ament index; build the workspace and "
+                       "source install/setup.bash") from error
+    folder = prefix / "lib" / package
+    candidates = sorted(folder.iterdir()) if folder.is_dir() else []
+    runnable = [path for path in candidates if path.is_file() and os.access(path, os.X_OK)]
+    for path in runnable:
+        if path.name == executable:
+            return path
+    raise UnknownName(f"executable of package '{package}'", executable,
+                      (path.name for path in runnable))
+
+
+class NodeProcess:
+    """One node: its process in a process group of its own, its output in a file."""
+
+    def __init__(
+        self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]
+    ) -> None:
+        self.name = name
+        self.log = log
+        with log.open("wb") as output:
+            self._process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=dict(environment),
+                process_group=0,
+                preexec_fn=_end_with_parent if sys.platform == "linux" else None,
+            )
+
+    @property
+    def exit_code(self) -> int | None:
+        """Exit code; None while the process runs, negative = ended by that signal."""
+        return self._process.poll()
+
+    def last_lines(self, count: int = _TAIL_LINES) -> str:
+        """The end of what the node printed."""
+        text = self.log.read_text(encoding="utf-8", errors="replace")
+        return "\n".join(text.splitlines()[-count:])
+
+    def send(self, number: signal.Signals) -> None:
+        """Send a signal to the node's process group, if it still runs."""
+        if self.exit_code is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, number)
+
+    def wait(self, deadline: float) -> bool:
+        """Whether the process ended before the deadline (of time.monotonic) [s]."""
+        try:
+            self._process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+
+class NodeProcesses:
+    """The processes of one run; leaving the context ends all that still run."""
+
+    def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
+        self._folder = folder
+        self._environment = environment
+        self._nodes: dict[str, NodeProcess] = {}
+
+    def __enter__(self) -> NodeProcesses:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.stop()
+
+    def start(self, name: str, package: str, executable: str, arguments: Sequence[str]) -> None:
+        """Start one node."""
+        path = find_executable(package, executable)
+        log = self._folder / f"{name}.log"
+        self._nodes[name] = NodeProcess(name, [str(path), *arguments], log, self._environment)
+
+    def check(self) -> None:
+        """Raise ProcessFailure, with the node's last output, when one has ended."""
+        for node in self._nodes.values():
+            if node.exit_code is not None:
+                raise ProcessFailure(
+                    f"node '{node.name}' ended with {describe_exit(node.exit_code)}; the end of "
+                    f"its output ({node.log}):\n{node.last_lines()}"
+                )
+
+    def stop(self, names: Iterable[str] | None = None, patience: float = 15.0) -> None:
+        """End nodes (all by default) by SIGINT; SIGKILL for what runs on after `patience` [s]."""
+        chosen = [self._nodes[name] for name in (self._nodes if names is None else names)]
+        for node in chosen:
+            node.send(signal.SIGINT)
+        deadline = time.monotonic() + patience
+        for node in chosen:
+            if not node.wait(deadline):
+                node.send(signal.SIGKILL)
+                node.wait(time.monotonic() + 5.0)
+
+    def exit_codes(self) -> dict[str, int | None]:
+        """Exit code per node."""
+        return {name: node.exit_code for name, node in self._nodes.items()}
+
+
+def describe_exit(code: int) -> str:
+    """An exit code in words."""
+    if code < 0:
+        return f"signal {signal.Signals(-code).name}"
+    return f"exit code {code}"
+
+
+def _end_with_parent() -> None:
+    """Ask Linux for a SIGINT when the parent dies, so that a killed run leaves no node behind."""
+    _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)

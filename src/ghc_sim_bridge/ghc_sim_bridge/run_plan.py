@@ -1,0 +1,203 @@
+"""From a scenario and the options of the command line to one run: times, parameters, folders."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+from ghc_controller.errors import InvalidValue, UnknownName
+
+from ghc_sim_bridge.scenario import NODES, Phase, Scenario
+
+MODES = ("lockstep", "realtime")
+RECORD_MODES = ("decimated", "full")
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """Options of one run; None = as in the scenario."""
+
+    formulation: str | None = None
+    transition: float | None = None  # [s]
+    control_dt: float | None = None  # [s]
+    record: str = "decimated"
+    view: bool = False
+    mode: str = "lockstep"
+    parameters: tuple[tuple[str, str, Any], ...] = ()  # (node, parameter, value)
+    tag: str = ""  # appended to the name of the variant's folder
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedPhase:
+    """A phase with its times; it starts with its transition."""
+
+    phase: Phase
+    start: float  # [s]
+    end: float  # [s]
+    ramp: float  # [s] duration of the transition at its start
+
+
+@dataclass(frozen=True, slots=True)
+class RunPlan:
+    """Everything that one run needs to know."""
+
+    scenario: Scenario
+    options: RunOptions
+    formulation: str
+    transition: float  # [s]
+    control_dt: float  # [s]
+    phases: tuple[PlannedPhase, ...]
+    parameters: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value
+    folder: Path  # where everything of this run is written
+    is_default: bool  # whether this is the scenario as it stands
+    changes: Mapping[str, Any] = field(default_factory=dict)  # robot changes
+
+    @property
+    def duration(self) -> float:
+        """Simulated length of the run [s]."""
+        return self.phases[-1].end
+
+    @property
+    def torque_rate_limit(self) -> float:
+        """Rate limit in force on both sides [Nm/s]; 0 = off."""
+        return float(self.parameters["controller"]["torque_rate_limit"])
+
+
+def parse_parameter(text: str) -> tuple[str, str, Any]:
+    """`node:name:=value` as on the command line of `ros2 run`, with the node before it.
+
+    Raises InvalidValue or UnknownName (node).
+    """
+    target, separator, value = text.partition(":=")
+    node, colon, name = target.partition(":")
+    if not separator or not colon or not name:
+        raise InvalidValue(f"--param '{text}': node:name:=value is expected, "
+                           "e.g. controller:torque_rate_limit:=1000.0")
+    if node not in NODES:
+        raise UnknownName("node", node, NODES)
+    try:
+        return node, name, yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        raise InvalidValue(f"--param '{text}': the value is not valid YAML") from error
+
+
+def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
+    """The run of a scenario under options; `output` is the root of all results.
+
+    An `hqp` run switches at once (a cascade of strict levels has nothing in between) unless a
+    transition is given. Raises InvalidValue for options out of range.
+    """
+    _check_options(options)
+    formulation = options.formulation or scenario.formulation
+    transition = scenario.transition if formulation != "hqp" else 0.0
+    if options.transition is not None:
+        transition = options.transition
+    control_dt = options.control_dt or scenario.control_dt
+    phases = _time_phases(scenario.phases, transition, control_dt)
+    folder, is_default = _place(scenario, options, formulation, transition)
+    plan = RunPlan(
+        scenario=scenario,
+        options=options,
+        formulation=formulation,
+        transition=transition,
+        control_dt=control_dt,
+        phases=phases,
+        parameters={},
+        folder=output / scenario.name / folder,
+        is_default=is_default,
+        changes=scenario.robot_changes,
+    )
+    return _with_parameters(plan)
+
+
+def _check_options(options: RunOptions) -> None:
+    if options.transition is not None and not 0.0 <= options.transition < math.inf:
+        raise InvalidValue(f"transition {options.transition:g} s: at least 0 is expected")
+    if options.control_dt is not None and not 0.0 < options.control_dt < math.inf:
+        raise InvalidValue(f"control period {options.control_dt:g} s: more than 0 is expected")
+    for value, known, kind in (
+        (options.mode, MODES, "mode"),
+        (options.record, RECORD_MODES, "record mode"),
+    ):
+        if value not in known:
+            raise UnknownName(kind, value, known)
+
+
+def _time_phases(
+    phases: Sequence[Phase], transition: float, control_dt: float
+) -> tuple[PlannedPhase, ...]:
+    """Phases one after the other, on multiples of the control period."""
+    planned: list[PlannedPhase] = []
+    start = 0.0
+    for index, phase in enumerate(phases):
+        ramp = transition if index else 0.0
+        end = _on_grid(start + ramp + phase.hold, control_dt)
+        planned.append(PlannedPhase(phase, start, end, ramp))
+        start = end
+    return tuple(planned)
+
+
+def _on_grid(time: float, step: float) -> float:
+    return round(round(time / step) * step, 9)
+
+
+def _place(
+    scenario: Scenario, options: RunOptions, formulation: str, transition: float
+) -> tuple[str, bool]:
+    """Folder name of the variant and whether it is the default one."""
+    default_transition = 0.0 if formulation == "hqp" else scenario.transition
+    parts = [scenario.variant, formulation]
+    if transition != default_transition:
+        parts.append(f"transition_{transition:g}s")
+    if options.control_dt not in (None, scenario.control_dt):
+        parts.append(f"dt_{options.control_dt:g}s")
+    if options.mode != MODES[0]:
+        parts.append(options.mode)
+    for node, name, value in options.parameters:
+        parts.append(f"{node}.{name}_{value}".replace("/", "_").replace(" ", ""))
+    parts.append(options.tag)
+    folder = "-".join(part for part in parts if part)
+    first = scenario.variants[0] if scenario.variants else ""
+    standard = "-".join(part for part in (first, scenario.formulation) if part)
+    return folder, folder == standard
+
+
+def _with_parameters(plan: RunPlan) -> RunPlan:
+    """The same plan with the parameters of every node filled in."""
+    scenario, folder = plan.scenario, plan.folder
+    nodes: dict[str, dict[str, Any]] = {
+        "sim_bridge": {
+            "scene": scenario.scene,
+            "mode": plan.options.mode,
+            "control_dt": plan.control_dt,
+            "stop_time": plan.duration,
+            "paused": True,
+            "log_file": str(folder / "log.npz"),
+            "torque_rate_limit": scenario.torque_rate_limit,
+        },
+        "controller": {
+            "robot": scenario.robot,
+            "formulation": plan.formulation,
+            "control_dt": plan.control_dt,
+            "torque_rate_limit": scenario.torque_rate_limit,
+        },
+        "recorder": {},
+        "viewer": {},
+    }
+    if plan.phases[0].phase.table is None:
+        nodes["controller"]["hierarchy"] = plan.phases[0].phase.hierarchy
+    for node, values in scenario.parameters.items():
+        nodes[node].update(values)
+    for node, name, value in plan.options.parameters:
+        known = nodes[node].get(name)
+        nodes[node][name] = float(value) if _is_float_for(known, value) else value
+    return RunPlan(**{name: getattr(plan, name) for name in plan.__dataclass_fields__
+                      if name != "parameters"}, parameters=nodes)
+
+
+def _is_float_for(known: object, value: object) -> bool:
+    return isinstance(known, float) and isinstance(value, int) and not isinstance(value, bool)

@@ -1,0 +1,188 @@
+"""Scenario files: what they promise, how they are timed, and what a wrong one is told."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
+from ghc_sim_bridge.references import Lemniscate
+from ghc_sim_bridge.run_plan import RunOptions, make_plan, parse_parameter
+from ghc_sim_bridge.scenario import load_scenario, scenario_names
+
+PAPER_SCENARIOS = (
+    "contact_force",
+    "insertion_removal",
+    "lemniscate",
+    "nonstrict",
+    "priority_switching",
+)
+MINIMAL = {
+    "title": "t",
+    "robot": "kuka_lwr",
+    "scene": "kuka_lwr",
+    "torque_rate_limit": 0.0,
+    "phases": [{"hierarchy": "a > b"}, {"hierarchy": "b > a", "hold": 3.0}],
+}
+
+
+def write(folder: Path, **changes: object) -> str:
+    """A minimal scenario file with changes; None removes a field."""
+    data = {key: value for key, value in (MINIMAL | changes).items() if value is not None}
+    file = folder / "mine.yaml"
+    file.write_text(yaml.safe_dump(data), encoding="utf-8")
+    return str(file)
+
+
+@pytest.mark.parametrize("name", PAPER_SCENARIOS)
+def test_paper_scenarios_settle_run_at_1_khz_and_leave_the_rate_limit_off(name: str) -> None:
+    variants = load_scenario(name).variants or ("",)
+    for variant in variants:
+        scenario = load_scenario(name, variant)
+        assert scenario.control_dt == 1e-3
+        assert scenario.transition == 2.0
+        assert scenario.torque_rate_limit == 0.0
+        assert all(phase.hold >= 8.0 for phase in scenario.phases)
+        assert {reference.task for reference in scenario.references} == {
+            "end_effector", "elbow", "posture"
+        }
+
+
+def test_all_paper_scenarios_are_found_by_name() -> None:
+    assert set(PAPER_SCENARIOS) <= set(scenario_names())
+
+
+def test_nonstrict_variants_are_matrices_whose_pair_sums_to_one() -> None:
+    given = set()
+    for variant in load_scenario("nonstrict").variants:
+        table = load_scenario("nonstrict", variant).phases[0].table
+        assert table is not None
+        alpha = np.array(table.alpha)
+        assert alpha[0, 1] + alpha[1, 0] == pytest.approx(1.0)
+        given.add(float(alpha[0, 1]))
+    assert given == {0.2, 0.5, 0.8}
+
+
+def test_phases_follow_each_other_on_the_grid_of_the_control_period(tmp_path: Path) -> None:
+    plan = make_plan(load_scenario(write(tmp_path)), RunOptions(transition=0.005), tmp_path)
+    assert [(p.start, p.end, p.ramp) for p in plan.phases] == [(0, 8, 0), (8, 11.005, 0.005)]
+    assert plan.duration == plan.parameters["sim_bridge"]["stop_time"] == 11.005
+
+
+def test_hqp_switches_at_once_unless_a_transition_is_asked_for(tmp_path: Path) -> None:
+    scenario = load_scenario(write(tmp_path))
+    assert make_plan(scenario, RunOptions(formulation="hqp"), tmp_path).transition == 0.0
+    asked = make_plan(scenario, RunOptions(formulation="hqp", transition=2.0), tmp_path)
+    assert asked.transition == 2.0
+    assert make_plan(scenario, RunOptions(formulation="ghc"), tmp_path).transition == 2.0
+
+
+def test_only_the_scenario_as_it_stands_is_the_default_variant(tmp_path: Path) -> None:
+    scenario = load_scenario(write(tmp_path))
+    options = (
+        RunOptions(formulation="ghc"),
+        RunOptions(transition=0.005),
+        RunOptions(control_dt=0.002),
+        RunOptions(mode="realtime"),
+        RunOptions(parameters=(("controller", "torque_rate_limit", 1000),)),
+    )
+    plans = [make_plan(scenario, option, tmp_path) for option in options]
+    assert make_plan(scenario, RunOptions(), tmp_path).is_default
+    assert not any(plan.is_default for plan in plans)
+    assert len({plan.folder for plan in plans}) == len(plans)
+
+
+def test_a_parameter_reaches_its_node_and_keeps_its_type(tmp_path: Path) -> None:
+    given = parse_parameter("controller:torque_rate_limit:=1000")
+    plan = make_plan(load_scenario(write(tmp_path)), RunOptions(parameters=(given,)), tmp_path)
+    assert plan.torque_rate_limit == 1000.0
+    assert isinstance(plan.parameters["controller"]["torque_rate_limit"], float)
+    assert plan.parameters["sim_bridge"]["torque_rate_limit"] == 0.0
+
+
+@pytest.mark.parametrize("text", ["controller", "controller:x", "x:=1", "controller::=1"])
+def test_a_malformed_parameter_shows_the_form(text: str) -> None:
+    with pytest.raises(InvalidValue, match="node:name:=value"):
+        parse_parameter(text)
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        (RunOptions(transition=-1.0), InvalidValue),
+        (RunOptions(transition=math.nan), InvalidValue),
+        (RunOptions(control_dt=0.0), InvalidValue),
+        (RunOptions(mode="fast"), UnknownName),
+    ],
+)
+def test_options_out_of_range_are_refused(
+    tmp_path: Path, options: RunOptions, error: type[Exception]
+) -> None:
+    with pytest.raises(error):
+        make_plan(load_scenario(write(tmp_path)), options, tmp_path)
+
+
+def test_an_unknown_scenario_or_variant_names_those_that_exist() -> None:
+    with pytest.raises(UnknownName, match="priority_switching"):
+        load_scenario("no_such_scenario")
+    with pytest.raises(UnknownName, match="alpha_12_0.2"):
+        load_scenario("nonstrict", "alpha_12_0.3")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"title": None}, ["title", "missing", "robot"]),
+        ({"titel": "t"}, ["titel", "unknown", "title"]),
+        ({"control_dt": "fast"}, ["control_dt", "number", "'fast'"]),
+        ({"transition": -1}, ["transition", "at least 0", "-1"]),
+        ({"transition": math.nan}, ["transition", "finite"]),
+        ({"phases": []}, ["phases", "none given"]),
+        ({"phases": [{"hold": 1.0}]}, ["phases[0].hierarchy", "missing"]),
+        ({"phases": [{"tasks": ["a"], "alpha": [[2.0]]}]}, ["phases[0].alpha.0", "[0, 1]"]),
+        ({"phases": [{"tasks": ["a", "b"], "alpha": [[0.0]]}]}, ["phases[0].alpha", "2 rows"]),
+        ({"references": {"a": {"place": [0]}}}, ["references.a", "position", "place"]),
+        ({"references": {"a": {"points": []}}}, ["references.a.points", "none given"]),
+        ({"references": {"a": {"position": [0, None]}}}, ["references.a.position[1]", "None"]),
+        ({"parameters": {"arm": {}}}, ["parameters.arm", "controller"]),
+    ],
+)
+def test_a_wrong_file_is_told_file_field_and_what_was_given(
+    tmp_path: Path, changes: dict[str, object], words: list[str]
+) -> None:
+    path = write(tmp_path, **changes)
+    with pytest.raises(ConfigurationError) as caught:
+        load_scenario(path)
+    for word in ["mine.yaml", *words]:
+        assert word in str(caught.value)
+
+
+def test_points_must_advance_in_time(tmp_path: Path) -> None:
+    points = [{"time": 1.0, "position": [0.0]}, {"time": 1.0, "position": [1.0]}]
+    with pytest.raises(ConfigurationError, match="more than 1 s"):
+        load_scenario(write(tmp_path, references={"a": {"points": points}}))
+
+
+def test_lemniscate_derivatives_match_finite_differences() -> None:
+    curve = Lemniscate((0.4, 0.0, 0.4), (0.06, 0.0, 0.02), (0.0, 0.03, 0.01), 2 * math.pi, 0.02)
+    step = 1e-5
+    for time in np.random.default_rng(1).uniform(0.0, 7.0, size=20):
+        before, now, after = (curve.point(time + d) for d in (-step, 0.0, step))
+        for derivative, values in (
+            (now.velocity, (before.position, after.position)),
+            (now.acceleration, (before.velocity, after.velocity)),
+        ):
+            difference = (np.array(values[1]) - np.array(values[0])) / (2 * step)
+            np.testing.assert_allclose(derivative, difference, atol=1e-8)
+
+
+def test_lemniscate_points_cover_the_run(tmp_path: Path) -> None:
+    reference = next(r for r in load_scenario("lemniscate").references if r.lemniscate)
+    points = reference.points_until(12.345)
+    assert points[0].time == 0.0
+    assert points[-1].time >= 12.345
+    period = reference.lemniscate.period if reference.lemniscate else 0.0
+    assert period == pytest.approx(2 * math.pi)
