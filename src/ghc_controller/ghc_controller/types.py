@@ -31,6 +31,14 @@ class RobotState:
 
 
 @dataclass(frozen=True, slots=True)
+class Dynamics:
+    """Equation of motion M(q) dv + h(q, v) = S^T tau + Jc^T w of eq. 1, at one state."""
+
+    mass_matrix: Array  # (n, n) M, symmetric, C-contiguous
+    bias: Array  # (n,) h: Coriolis, centrifugal and gravity terms [Nm] or [N]
+
+
+@dataclass(frozen=True, slots=True)
 class Bounds:
     """Lower and upper bound per entry; +-inf where there is none."""
 

@@ -1,0 +1,124 @@
+"""A robot as data: robot.yaml read, checked and turned into a model and tasks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ghc_controller.config import Fields, read_yaml
+from ghc_controller.errors import ConfigurationError, GhcError
+from ghc_controller.joint_limits import JointLimits, overridden
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.tasks.registry import make_task
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Array
+
+_DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s]
+_DEFAULT_BRAKE_ACCELERATION = 5.0  # [rad/s^2]
+
+
+@dataclass(frozen=True)
+class RobotConfig:
+    """Content of robot.yaml, ready to use.
+
+    ```yaml
+    name: my_arm
+    urdf: my_arm.urdf            # relative to this file
+    floating_base: false         # optional, default false
+    limits:                      # optional; a number, or a map joint -> number, overrides the URDF
+      velocity: 1.2              # [rad/s]
+      torque: {joint_1: 100.0}   # [Nm]
+      torque_rate: 1000.0        # [Nm/s], one number
+      brake_acceleration: 5.0    # [rad/s^2], one number: what braking before a limit may use
+    tasks:                       # names unique; fields by kind: see the files of tasks/
+      - {name: hand, kind: frame_position, frame: tool, stiffness: 30.0, damping: 20.0}
+    hierarchy: "hand"            # in force at the start
+    ```
+    """
+
+    path: Path
+    name: str
+    urdf: Path
+    floating_base: bool
+    torque_rate: float  # [Nm/s]
+    brake_acceleration: float  # [rad/s^2]
+    model: RobotModel  # with the limits of the file
+    tasks: tuple[Task, ...]  # k tasks, in the order of the file
+    hierarchy: str
+
+    @property
+    def task_names(self) -> tuple[str, ...]:
+        """Names of the tasks, in the order of the file."""
+        return tuple(task.name for task in self.tasks)
+
+
+def load_robot_config(path: str | Path) -> RobotConfig:
+    """Read robot.yaml and the URDF that it names, and build model and tasks.
+
+    Raises:
+        ConfigurationError: one line with the file, the field, what was given and expected.
+    """
+    path = Path(path)
+    fields = read_yaml(path)
+    name = fields.text("name")
+    urdf = path.parent / fields.text("urdf")
+    floating_base = fields.flag("floating_base", False)
+    limits = fields.section("limits")
+    model = _build_model(urdf, floating_base, limits)
+    torque_rate = limits.number("torque_rate", _DEFAULT_TORQUE_RATE, minimum=1e-6)
+    brake = limits.number("brake_acceleration", _DEFAULT_BRAKE_ACCELERATION, minimum=1e-6)
+    limits.done()
+    tasks = _build_tasks(fields, model)
+    hierarchy = fields.text("hierarchy")
+    fields.done()
+    return RobotConfig(
+        path, name, urdf, floating_base, torque_rate, brake, model, tasks, hierarchy
+    )
+
+
+def _build_model(urdf: Path, floating_base: bool, limits: Fields) -> RobotModel:
+    model = RobotModel.from_urdf(urdf, floating_base)
+    read = model.limits
+    model.limits = JointLimits(
+        read.position_lower,
+        read.position_upper,
+        _limit(limits, "velocity", read.velocity, model.joint_names),
+        _limit(limits, "torque", read.torque, model.joint_names),
+    )
+    for joint, lower, upper in zip(
+        model.joint_names, read.position_lower, read.position_upper, strict=True
+    ):
+        if not lower < upper:
+            raise ConfigurationError(
+                f"{urdf}: joint '{joint}': lower position limit {lower:g} is not below upper"
+                f" {upper:g}"
+            )
+    return model
+
+
+def _limit(limits: Fields, field: str, values: Array, joint_names: tuple[str, ...]) -> Array:
+    try:
+        result = overridden(values, limits.number_or_map(field), joint_names, field)
+    except GhcError as error:
+        raise limits.error(field, str(error)) from error
+    for joint, value in zip(joint_names, result, strict=True):
+        if not value > 0.0:
+            raise limits.error(
+                field, f"the URDF gives {value:g} for joint '{joint}'; a positive limit expected"
+            )
+    return result
+
+
+def _build_tasks(fields: Fields, model: RobotModel) -> tuple[Task, ...]:
+    tasks: dict[str, Task] = {}
+    for entry in fields.sections("tasks"):
+        try:
+            task = make_task(entry, model)
+        except ConfigurationError:
+            raise
+        except GhcError as error:
+            raise entry.complaint(str(error)) from error
+        if task.name in tasks:
+            raise entry.error("name", f"'{task.name}' is already taken by another task")
+        tasks[task.name] = task
+    return tuple(tasks.values())

@@ -1,0 +1,6 @@
+"""Tasks: one file a kind. `Task` says what a kind must implement, `registry` how it is found."""
+
+from ghc_controller.tasks.registry import make_task, register_task, task_kinds
+from ghc_controller.tasks.task import ReferenceSpace, Task
+
+__all__ = ["ReferenceSpace", "Task", "make_task", "register_task", "task_kinds"]

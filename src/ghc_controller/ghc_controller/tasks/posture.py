@@ -1,0 +1,115 @@
+"""Positions of joints, chosen by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ghc_controller.config import Fields
+from ghc_controller.errors import InvalidValue
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.tasks.kernels import posture_rows
+from ghc_controller.tasks.registry import register_task
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+
+
+@register_task("posture")
+class PostureTask(Task):
+    """xi = positions of the named joints [rad]; `labels` are the joints, in the given order.
+
+    Fields: stiffness, damping, reference (optional mapping joint -> position; its joints are the
+    rows of the task, in the model's order), joints (optional list, default: those of the
+    reference, else every joint).
+    """
+
+    error_unit = "rad"
+
+    def __init__(
+        self,
+        name: str,
+        model: RobotModel,
+        stiffness: float | Array,
+        damping: float | Array,
+        joints: Sequence[str] | None = None,
+        reference: Array | None = None,
+    ) -> None:
+        """See Task for the gains; `joints` defaults to every actuated joint.
+
+        Raises:
+            UnknownName: a joint that does not exist; lists those that do.
+        """
+        joints = model.joint_names if joints is None else tuple(joints)
+        super().__init__(name, joints, stiffness, damping, reference)
+        indices = np.array([model.joint_index(joint) for joint in joints])
+        self._q_indices = indices + (model.nq - model.na)
+        self._v_indices = indices + (model.nv - model.na)
+
+    @classmethod
+    def from_config(cls, fields: Fields, model: RobotModel) -> PostureTask:
+        """Build from one entry of `tasks` in robot.yaml."""
+        reference = fields.number_or_map("reference")
+        if isinstance(reference, dict):
+            for joint in reference:
+                if joint not in model.joint_names:
+                    raise fields.error(
+                        f"reference.{joint}",
+                        f"unknown joint; known: {', '.join(model.joint_names)}",
+                    )
+            given = tuple(joint for joint in model.joint_names if joint in reference)
+        else:
+            given = model.joint_names
+        joints = fields.names("joints", model.joint_names, default=given)
+        position = None
+        if isinstance(reference, dict):
+            missing = [joint for joint in joints if joint not in reference]
+            if missing:
+                raise fields.error("reference", f"joint '{missing[0]}' missing")
+            position = np.array([reference[joint] for joint in joints])
+        elif reference is not None:
+            position = np.full(len(joints), reference)
+        return cls(
+            fields.text("name"),
+            model,
+            np.array(fields.numbers("stiffness", len(joints))),
+            np.array(fields.numbers("damping", len(joints))),
+            joints,
+            position,
+        )
+
+    def write_rows(
+        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
+    ) -> int:
+        """Selection matrix; target = acceleration + stiffness e + damping e'."""
+        posture_rows(
+            model.q,
+            model.v,
+            self._q_indices,
+            self._v_indices,
+            target.position,
+            target.velocity,
+            target.acceleration,
+            self.stiffness,
+            self.damping,
+            out.jacobian,
+            out.target,
+            out.error,
+        )
+        return 0
+
+    def current(self, model: RobotModel) -> Array:
+        """Positions of the joints now, (m,) [rad]."""
+        return model.q[self._q_indices]
+
+    def ordered(self, joints: Sequence[str], values: Array) -> Array:
+        """Columns of `values` (..., m) given in the order of `joints`, put into task order.
+
+        Raises:
+            InvalidValue: the joints are not exactly those of the task.
+        """
+        if sorted(joints) != sorted(self.labels):
+            raise InvalidValue(
+                f"task '{self.name}', joints: {list(joints)} given, {list(self.labels)} expected"
+            )
+        return np.asarray(values)[..., [list(joints).index(joint) for joint in self.labels]]

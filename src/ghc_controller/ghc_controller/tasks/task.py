@@ -1,0 +1,201 @@
+"""What a task is: an error, a Jacobian and a local controller (section 3 of ghc_2015)."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from enum import Enum
+
+import numpy as np
+
+from ghc_controller.config import Fields
+from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.tasks.kernels import task_rows
+from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+
+
+class ReferenceSpace(Enum):
+    """What the numbers of TaskTarget.position are; decides how references are interpolated."""
+
+    VECTOR = "vector"  # m numbers
+    ORIENTATION = "orientation"  # unit quaternion x, y, z, w
+    POSE = "pose"  # x, y, z, then a unit quaternion x, y, z, w
+
+
+class Task(ABC):
+    """Turns a target into rows `jacobian @ dv -> target` of the least-squares problem.
+
+    With task variable xi, reference xi* and error e, the local controller is (section 6)
+        xi''_d = xi''* + stiffness e + damping e',
+    and with xi'' = J dv + J' v (eq. 2) the rows are J dv -> xi''_d - J' v.
+
+    A new kind of task is one new file in this folder: a subclass of Task that implements
+    `write_rows`, `current` and `from_config`, under the decorator `@register_task("kind")` of
+    `registry.py`. Every module of this folder is imported when the first kind is looked up, so
+    nothing else needs to change.
+
+    Attributes:
+        name: unique name, as in hierarchies and references.
+        labels: names of the m rows ("x", "y", a joint, ...).
+        stiffness, damping: gains per row, (m,) [1/s^2] and [1/s].
+        space: ReferenceSpace of target positions.
+        error_unit: unit of TaskRows.error on motion rows.
+    """
+
+    space: ReferenceSpace = ReferenceSpace.VECTOR
+    error_unit: str = "m"
+
+    def __init__(
+        self,
+        name: str,
+        labels: Sequence[str],
+        stiffness: float | Array,
+        damping: float | Array,
+        reference: Array | None = None,
+    ) -> None:
+        """Store gains (one number or one per row) and an optional standing reference.
+
+        Raises:
+            InvalidValue: a gain or reference is not finite, or a gain is negative.
+            WrongSize: as many gains or reference entries as rows are expected.
+        """
+        self.name = name
+        self.labels = tuple(labels)
+        self.stiffness = self._gain("stiffness", stiffness)
+        self.damping = self._gain("damping", damping)
+        self._reference: TaskTarget | None = None
+        if reference is not None:
+            self._reference = self.static_target(reference)
+
+    @property
+    def size(self) -> int:
+        """Number of rows m."""
+        return len(self.labels)
+
+    @property
+    def position_size(self) -> int:
+        """Entries of TaskTarget.position: m, 4 for an orientation, 7 for a pose."""
+        sizes = {ReferenceSpace.ORIENTATION: 4, ReferenceSpace.POSE: 7}
+        return sizes.get(self.space, self.size)
+
+    def rows(
+        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows | None = None
+    ) -> TaskRows:
+        """Linearise the task at the state of the last `model.update`.
+
+        Args:
+            model: updated with `state`.
+            state: the same state; its wrenches and time matter to force rows only.
+            target: reference at this instant, with sizes as `check_target` wants them.
+            out: rows whose arrays are overwritten, as made by `empty_rows` (row blocks of
+                larger C-contiguous arrays do as well); fresh arrays without it.
+
+        Returns:
+            `out` or fresh rows; a new TaskRows on the same arrays when force_rows differs.
+        """
+        if out is None:
+            out = self.empty_rows(model.nv)
+        force_rows = self.write_rows(model, state, target, out)
+        if force_rows != out.force_rows:
+            return TaskRows(out.jacobian, out.target, out.error, force_rows)
+        return out
+
+    @classmethod
+    @abstractmethod
+    def from_config(cls, fields: Fields, model: RobotModel) -> Task:
+        """Build from one entry of `tasks` in robot.yaml (`kind` is already read)."""
+
+    @abstractmethod
+    def write_rows(
+        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
+    ) -> int:
+        """Fill the arrays of `out`; return how many rows are under force control."""
+
+    @abstractmethod
+    def current(self, model: RobotModel) -> Array:
+        """Task variable at the last update, as TaskTarget.position, (position_size,), fresh."""
+
+    def default_target(self, model: RobotModel) -> TaskTarget:
+        """Target until a reference arrives: the configured one, else stay where it is now."""
+        return self._reference or self.static_target(self.current(model))
+
+    def static_target(self, position: Array) -> TaskTarget:
+        """Target at rest at `position`; checked, see `check_target`."""
+        target = TaskTarget(
+            np.array(position, dtype=np.float64), np.zeros(self.size), np.zeros(self.size)
+        )
+        self.check_target(target)
+        return target
+
+    def check_target(self, target: TaskTarget) -> None:
+        """Refuse a target of other sizes or with entries that are not finite.
+
+        Raises:
+            WrongSize, InvalidValue: name the task, the field, what was given and expected.
+        """
+        fields = {
+            "position": (target.position, self.position_size),
+            "velocity": (target.velocity, self.size),
+            "acceleration": (target.acceleration, self.size),
+            "wrench": (target.wrench, self.size),
+        }
+        for field, (value, size) in fields.items():
+            if value is None:
+                continue
+            if np.shape(value) != (size,):
+                raise WrongSize(f"task '{self.name}', {field}", np.shape(value), (size,))
+            if not np.isfinite(value).all():
+                raise InvalidValue(
+                    f"task '{self.name}', {field}: {value.tolist()} given, finite numbers expected"
+                )
+
+    def reset(self) -> None:
+        """Forget what was accumulated over time; a task without memory has nothing to do."""
+
+    def empty_rows(self, n: int) -> TaskRows:
+        """Zero rows of this task for n velocity coordinates, to be passed as `out`."""
+        return TaskRows(np.zeros((self.size, n)), np.zeros(self.size), np.zeros(self.size))
+
+    def fill(
+        self,
+        out: TaskRows,
+        jacobian: Array,
+        drift: Array,
+        error: Array,
+        velocity_error: Array,
+        acceleration: Array,
+    ) -> None:
+        """Write eq. 2 with the local controller into `out`: the short way for a new task.
+
+        Args:
+            jacobian: (m, n); drift, error, velocity_error, acceleration (of the reference): (m,).
+        """
+        task_rows(
+            jacobian,
+            drift,
+            error,
+            velocity_error,
+            acceleration,
+            self.stiffness,
+            self.damping,
+            out.jacobian,
+            out.target,
+            out.error,
+        )
+
+    def __repr__(self) -> str:
+        """Kind, name and rows."""
+        return f"{type(self).__name__}({self.name!r}, rows={list(self.labels)})"
+
+    def _gain(self, field: str, value: float | Array) -> Array:
+        gain = np.array(value, dtype=np.float64)
+        if gain.ndim == 0:
+            gain = np.full(self.size, float(gain))
+        if gain.shape != (self.size,):
+            raise WrongSize(f"task '{self.name}', {field}", gain.shape, (self.size,))
+        if not (np.isfinite(gain).all() and (gain >= 0.0).all()):
+            raise InvalidValue(
+                f"task '{self.name}', {field}: {gain.tolist()} given, numbers >= 0 expected"
+            )
+        return gain
