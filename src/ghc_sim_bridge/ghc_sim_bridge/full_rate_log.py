@@ -1,0 +1,153 @@
+"""Every control period of a run in memory, written as one .npz: what figures are computed from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ghc_controller.errors import ConfigurationError
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+INITIAL_ROWS = 1 << 14  # doubled when full, so that a cycle rarely pays for growing
+WRENCH_PREFIX = "wrench_"
+_VECTORS = ("q", "v", "acceleration", "torque", "commanded")
+
+
+class Source(IntEnum):
+    """Where the applied torque of a row came from."""
+
+    COMMAND = 0
+    HOLD = 1
+    GATED = 2  # a command that had to be brought inside the limits
+
+
+@dataclass(frozen=True, slots=True)
+class FullRateLog:
+    """Row k: the state at t_k and the torque applied over [t_k, t_k + control_dt)."""
+
+    time: Array  # (T,) [s]
+    q: Array  # (T, n) [rad]
+    v: Array  # (T, n) [rad/s]
+    acceleration: Array  # (T, n) [rad/s^2] at t_k under that torque
+    torque: Array  # (T, n) [Nm] applied
+    commanded: Array  # (T, n) [Nm] asked for; NaN while holding
+    source: NDArray[np.uint8]  # (T,) a Source
+    epoch: NDArray[np.uint32]  # (T,) count of resets
+    cycle_time: Array  # (T,) [s] wall time since the row before
+    wrenches: Mapping[str, Array]  # name -> (T, 6) [N, Nm] on the robot, world axes
+    joint_names: tuple[str, ...]
+    control_dt: float  # [s]
+
+    @classmethod
+    def load(cls, path: str | Path) -> FullRateLog:
+        """Read what FullRateLogBuffer.save wrote.
+
+        Raises:
+            ConfigurationError: the file is missing or is not such a log.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as data:
+                return cls(
+                    time=data["time"],
+                    **{name: data[name] for name in _VECTORS},
+                    source=data["source"],
+                    epoch=data["epoch"],
+                    cycle_time=data["cycle_time"],
+                    wrenches={
+                        name.removeprefix(WRENCH_PREFIX): data[name]
+                        for name in data.files
+                        if name.startswith(WRENCH_PREFIX)
+                    },
+                    joint_names=tuple(str(name) for name in data["joint_names"]),
+                    control_dt=float(data["control_dt"]),
+                )
+        except (OSError, KeyError, ValueError) as error:
+            raise ConfigurationError(f"full-rate log '{path}': {error}") from error
+
+
+class FullRateLogBuffer:
+    """Growing columns of one run."""
+
+    def __init__(
+        self, joint_names: Sequence[str], contact_names: Sequence[str], control_dt: float
+    ) -> None:
+        """Rows of n = len(joint_names) and one wrench per name in `contact_names`."""
+        self._joint_names = tuple(joint_names)
+        self._contact_names = tuple(contact_names)
+        self._control_dt = control_dt
+        n = len(self._joint_names)
+        self._vectors = [slice(2 + k * n, 2 + (k + 1) * n) for k in range(len(_VECTORS))]
+        first = 2 + len(_VECTORS) * n
+        self._wrenches = [
+            slice(first + 6 * k, first + 6 * (k + 1)) for k in range(len(self._contact_names))
+        ]
+        width = first + 6 * len(self._contact_names)
+        # One table, so that a row is one stretch of memory and growing is one copy.
+        self._rows = np.empty((INITIAL_ROWS, width))
+        self._tags = np.empty((INITIAL_ROWS, 2), dtype=np.uint32)
+        self._size = 0
+
+    def __len__(self) -> int:
+        return self._size
+
+    def append(
+        self,
+        time: float,
+        cycle_time: float,
+        vectors: Sequence[Array],
+        wrenches: Mapping[str, Array],
+        source: Source,
+        epoch: int,
+    ) -> None:
+        """Add a row; `vectors` are q, v, acceleration, torque, commanded, each (n,)."""
+        if self._size == len(self._rows):
+            self._grow()
+        row = self._rows[self._size]
+        row[0] = time
+        row[1] = cycle_time
+        for place, vector in zip(self._vectors, vectors, strict=True):
+            row[place] = vector
+        for place, name in zip(self._wrenches, self._contact_names, strict=True):
+            row[place] = wrenches[name]
+        tag = self._tags[self._size]
+        tag[0] = source
+        tag[1] = epoch
+        self._size += 1
+
+    def _grow(self) -> None:
+        self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._tags = np.concatenate([self._tags, np.empty_like(self._tags)])
+
+    def columns(self) -> dict[str, NDArray[np.generic]]:
+        """The arrays of the .npz by name."""
+        rows, tags = self._rows[: self._size], self._tags[: self._size]
+        arrays: dict[str, NDArray[np.generic]] = {"time": rows[:, 0], "cycle_time": rows[:, 1]}
+        arrays |= {
+            name: rows[:, place] for name, place in zip(_VECTORS, self._vectors, strict=True)
+        }
+        arrays |= {
+            WRENCH_PREFIX + name: rows[:, place]
+            for name, place in zip(self._contact_names, self._wrenches, strict=True)
+        }
+        arrays["source"] = tags[:, 0].astype(np.uint8)
+        arrays["epoch"] = tags[:, 1]
+        arrays["joint_names"] = np.array(self._joint_names, dtype=np.str_)
+        arrays["control_dt"] = np.array(self._control_dt)
+        return arrays
+
+    def save(self, path: Path) -> None:
+        """Write the .npz so that a reader sees either the whole file or none of it."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draft = path.with_name(f".{path.name}.{os.getpid()}")
+        with draft.open("wb") as file:
+            # Through a variable: numpy's hints take any keyword for its own options.
+            save: Any = np.savez
+            save(file, **self.columns())
+        draft.replace(path)

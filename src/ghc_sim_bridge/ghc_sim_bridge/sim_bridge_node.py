@@ -1,0 +1,222 @@
+"""The simulated robot behind ROS topics: master of time, in lockstep or by the wall clock.
+
+Publishes  joint_states (stamp = simulated time, frame_id = epoch, effort = torque applied over the
+           last period [Nm]), contacts/<name> (force of the surroundings on the robot, world axes,
+           same stamp, sent before), /clock, /diagnostics.
+Subscribes joint_commands (stamp = the state that it answers, effort [Nm] by joint name).
+Services   ~/reset (std_srvs/Trigger: start state, next epoch), ~/pause (std_srvs/SetBool).
+Parameters see BridgeParameters.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool, Trigger
+
+from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected, stamp_of
+from ghc_sim_bridge.control_cycle import NANOSECONDS, ControlCycle
+from ghc_sim_bridge.full_rate_log import FullRateLogBuffer
+from ghc_sim_bridge.lockstep_mode import LockstepMode
+from ghc_sim_bridge.parameters import BridgeParameters, read_parameters
+from ghc_sim_bridge.realtime_mode import RealtimeMode
+from ghc_sim_bridge.rejections import Rejections
+from ghc_sim_bridge.ros_conversions import (
+    CLOCK_QOS,
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    diagnostics_message,
+    read_joint_state,
+)
+from ghc_sim_bridge.run_mode import RunMode
+from ghc_sim_bridge.run_node import guarded, run_node
+from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.state_publisher import StatePublisher
+from ghc_sim_bridge.torque_gate import GatedTorque, TorqueGate
+from ghc_sim_bridge.watchdog import Watchdog
+
+NODE_NAME = "sim_bridge"
+DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+NEVER_NS = 1 << 62  # [ns] later than any simulated time
+# Part of normal operation in lockstep (answers to repeats, late answers while paused): counted,
+# but no reason to warn.
+EXPECTED = frozenset({"answered_before", "not_running"})
+
+
+class SimBridge:
+    """Wires topics and services to the control cycle; no arithmetic here."""
+
+    def __init__(self, stop: Future) -> None:
+        """Read the parameters, load the scene, publish the first state.
+
+        `stop` ends the node; an error that only shows while running ends up in it.
+
+        Raises:
+            GhcError: a parameter, or a file that it names, cannot be used.
+        """
+        self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
+        self._parameters = p = read_parameters(self.node, BridgeParameters)
+        self.executor = p.executor
+        simulator = Simulator(p.scene, control_dt=p.control_dt, physics_dt=p.physics_dt)
+        wrenches = tuple(simulator.contact_wrenches())
+        gate = TorqueGate(simulator.torque_limit, p.torque_rate_limit, p.control_dt)
+        self._log = (
+            FullRateLogBuffer(simulator.joint_names, wrenches, p.control_dt)
+            if p.log_file
+            else None
+        )
+        self._rows_saved = 0
+        self._cycle = ControlCycle(simulator, gate, self._log)
+        self._stop_ns = round(p.stop_time * NANOSECONDS) if p.stop_time > 0.0 else NEVER_NS
+        self._rejections = Rejections()
+        self._refusal = ""  # why the last command was refused; empty after a good one
+        self._decoder = CommandDecoder(simulator.joint_names, read_joint_state)
+        self._publisher = self._make_publisher(wrenches if p.publish_contacts else ())
+        self._mode = self._make_mode()
+        self._mode.paused = p.paused
+        self._diagnosed = (time.monotonic(), 0)  # wall [s], simulated [ns]
+        self._listen(stop)
+        self._mode.restart()
+
+    def _make_publisher(self, contacts: Sequence[str]) -> StatePublisher:
+        node = self.node
+        return StatePublisher(
+            node.create_publisher(JointState, "joint_states", CONTROL_PUBLISHER_QOS).publish,
+            node.create_publisher(Clock, "/clock", CLOCK_QOS).publish,
+            {
+                name: node.create_publisher(
+                    WrenchStamped, f"contacts/{name}", CONTROL_PUBLISHER_QOS
+                ).publish
+                for name in contacts
+            },
+        )
+
+    def _make_mode(self) -> RunMode:
+        p, publish = self._parameters, partial(self._publisher.publish, self._cycle)
+        if p.mode == "realtime":
+            watchdog = Watchdog(round(p.watchdog_timeout * NANOSECONDS))
+            return RealtimeMode(self._cycle, publish, self._applied, watchdog, self._stop_ns)
+        return LockstepMode(
+            self._cycle,
+            publish,
+            self._applied,
+            p.lockstep_timeout,
+            self._stop_ns,
+            lambda: self._refusal,
+        )
+
+    def _listen(self, stop: Future) -> None:
+        node = self.node
+        on_command = guarded(stop, self._on_command)
+        node.create_subscription(
+            JointState, "joint_commands", on_command, CONTROL_SUBSCRIBER_QOS, raw=True
+        )
+        node.create_service(Trigger, "~/reset", self._on_reset)
+        node.create_service(SetBool, "~/pause", self._on_pause)
+        self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        wall = RosClock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(self._mode.tick_period, guarded(stop, self._on_tick), clock=wall)
+        node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+
+    def _on_command(self, data: bytes) -> None:
+        try:
+            stamp_ns = stamp_of(data)
+            torque = self._decoder.decode(data, self._cycle.epoch)
+        except CommandRejected as error:
+            self._refusal = str(error)
+            self._reject(error.field, self._refusal)
+            return
+        unwanted = self._mode.wants(stamp_ns)
+        if unwanted:
+            given, now = stamp_ns / NANOSECONDS, self._cycle.time_ns / NANOSECONDS
+            self._reject(unwanted, f"stamp {given:.6f} s given at t = {now:.6f} s ({unwanted})")
+            return
+        self._refusal = ""
+        self._mode.command(stamp_ns, torque)
+        self._save_log_at_end()
+
+    def _on_tick(self) -> None:
+        self._mode.tick()
+        self._save_log_at_end()
+
+    def _applied(self, gated: GatedTorque) -> None:
+        if gated.limit_hit:
+            self._reject("torque_limit", "effort beyond the torque limits was clipped")
+        if gated.rate_hit:
+            self._reject("torque_rate", "effort beyond the torque rate limit was clipped")
+
+    def _reject(self, field: str, reason: str) -> None:
+        warn = self._rejections.count(field, time.monotonic())
+        if warn and field not in EXPECTED:
+            self.node.get_logger().warning(f"joint_commands: {reason}")
+
+    def _on_reset(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+        self._cycle.reset()
+        self._mode.restart()
+        answer.success = True
+        answer.message = f"epoch {self._cycle.epoch}"
+        return answer
+
+    def _on_pause(self, request: SetBool.Request, answer: SetBool.Response) -> SetBool.Response:
+        self._mode.paused = request.data
+        self._mode.restart()
+        answer.success = True
+        answer.message = f"{'paused' if request.data else 'running'} at t = " + (
+            f"{self._cycle.time_ns * 1e-9:.6f} s"
+        )
+        return answer
+
+    def _publish_diagnostics(self) -> None:
+        wall, simulated = time.monotonic(), self._cycle.time_ns
+        wall_before, simulated_before = self._diagnosed
+        self._diagnosed = (wall, simulated)
+        refused = sum(n for field, n in self._rejections.counts.items() if field not in EXPECTED)
+        values = {
+            "mode": self._parameters.mode,
+            "paused": self._mode.paused,
+            "epoch": self._cycle.epoch,
+            "simulated_time_s": simulated / NANOSECONDS,
+            "real_time_factor": round(
+                (simulated - simulated_before) / NANOSECONDS / (wall - wall_before), 3
+            ),
+            **self._mode.diagnostics(),
+            **{f"rejected_{field}": n for field, n in sorted(self._rejections.counts.items())},
+        }
+        summary = f"{refused} commands refused or clipped" if refused else "ok"
+        self._diagnostics.publish(
+            diagnostics_message(simulated, NODE_NAME, summary, refused > 0, values)
+        )
+
+    def _save_log_at_end(self) -> None:
+        if self._cycle.time_ns >= self._stop_ns:
+            self._save_log()
+
+    def _save_log(self) -> None:
+        if self._log is not None and len(self._log) != self._rows_saved:
+            self._log.save(Path(self._parameters.log_file))
+            self._rows_saved = len(self._log)
+
+    def close(self) -> None:
+        """Write the log of a run that was stopped before its end."""
+        self._save_log()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the bridge until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    return run_node(NODE_NAME, SimBridge, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,41 @@
+"""The messages of one simulated instant, in the order that readers rely on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from ghc_sim_bridge.control_cycle import ControlCycle
+from ghc_sim_bridge.state_cdr import JointStateEncoder, WrenchEncoder, encode_clock
+
+Publish = Callable[[bytes], None]
+
+WORLD_FRAME = "world"
+
+
+class StatePublisher:
+    """Contact wrenches first: whoever has a joint state can have the wrenches of its stamp.
+
+    The clock comes last because nobody waits for it: the controller works meanwhile.
+    """
+
+    def __init__(
+        self, joint_states: Publish, clock: Publish, contacts: Mapping[str, Publish]
+    ) -> None:
+        """Where the serialized messages go; `contacts` by contact name, empty for none."""
+        self._joint_states = joint_states
+        self._clock = clock
+        self._contacts = dict(contacts)
+        self._wrench = WrenchEncoder(WORLD_FRAME)
+        self._encoder: JointStateEncoder | None = None
+        self._epoch = -1
+
+    def publish(self, cycle: ControlCycle) -> None:
+        """Send the current state of `cycle`."""
+        if self._encoder is None or self._epoch != cycle.epoch:
+            self._encoder = JointStateEncoder(cycle.simulator.joint_names, str(cycle.epoch))
+            self._epoch = cycle.epoch
+        stamp, state = cycle.time_ns, cycle.state
+        for name, send in self._contacts.items():
+            send(self._wrench.encode(stamp, state.wrenches[name]))
+        self._joint_states(self._encoder.encode(stamp, state.q, state.v, cycle.simulator.torque))
+        self._clock(encode_clock(stamp))
