@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
-from ..errors import InvalidValue
-from ..hierarchy.projector import ProjectorSettings
-from ..qp import QpSolver
-from ..types import Array
-from .problem import ControlProblem
+import numpy as np
+
+from ghc_controller.errors import InvalidValue
+from ghc_controller.hierarchy.projector import ProjectorSettings
+from ghc_controller.qp import QpSolver
+from ghc_controller.types import Array
+from ghc_controller.formulations.problem import ControlProblem
 
 
 class TorqueRegularization(Enum):
@@ -36,7 +38,7 @@ class FormulationSettings:
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
     slack_weight: float = 1e6  # [-] on soft rows that give way
-    projector: ProjectorSettings = ProjectorSettings()
+    projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
         for name in ("regularization", "metric_ratio", "weight_ratio", "slack_weight"):
@@ -68,6 +70,11 @@ class Solution:
     acceleration_slack: Array | None = None  # (n,) by how far the soft box gave way
     rows_slack: Array | None = None  # (r,) by how far the general rows gave way
     rate_gave_way: bool = False
+
+    @classmethod
+    def unbounded(cls, acceleration: Array, torque: Array) -> Solution:
+        """The unconstrained optimum of a fixed base, which met every bound."""
+        return cls(acceleration, np.zeros(0), torque, SolutionStatus.SOLVED, qp_solved=False)
 
 
 class Formulation(ABC):

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import InvalidValue, WrongSize
-from ..hierarchy.projector import Starts
-from ..types import Array, Bounds
+from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.hierarchy.projector import Starts
+from ghc_controller.types import Array, Bounds
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..errors import InvalidValue, UnknownName
-from .priority_matrix import PriorityMatrix, complete_removals
+from ghc_controller.errors import InvalidValue, UnknownName
+from ghc_controller.hierarchy.priority_matrix import PriorityMatrix, complete_removals
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 _FORM = "expected task names joined by '>' (strict) or '=' (equal), as in 'a > b = c'"

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InvalidValue, UnknownName, WrongSize
-from ..types import Array
+from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
+from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +58,9 @@ class PriorityMatrix:
             raise WrongSize(
                 f"alpha of {len(tasks)} tasks ({', '.join(tasks)})", len(alpha), len(tasks) ** 2
             )
-        part = cls(tuple(tasks), np.reshape(np.asarray(alpha, dtype=np.float64), (len(tasks),) * 2))
+        part = cls(
+            tuple(tasks), np.reshape(np.asarray(alpha, dtype=np.float64), (len(tasks),) * 2)
+        )
         index = [list(known_tasks).index(name) for name in tasks]
         full = np.ones((len(known_tasks),) * 2)
         full[np.ix_(index, index)] = part.alpha

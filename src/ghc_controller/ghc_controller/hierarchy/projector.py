@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..types import Array
+from ghc_controller.types import Array
 
 Starts = NDArray[np.int64]
 

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-from ..errors import InvalidValue
-from ..types import Array
-from .priority_matrix import PriorityMatrix
+from ghc_controller.errors import InvalidValue
+from ghc_controller.types import Array
+from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
 
 
 class Profile(Enum):

@@ -8,10 +8,10 @@ from enum import Enum
 
 import numpy as np
 
-from ..errors import InvalidValue
-from ..types import Array
-from .priority_matrix import PriorityMatrix
-from .transition import Transition
+from ghc_controller.errors import InvalidValue
+from ghc_controller.types import Array
+from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
+from ghc_controller.hierarchy.transition import Transition
 
 _RAMP_SAMPLES = 9  # matrices looked at between start and target of a requested ramp
 

@@ -1,7 +1,7 @@
 """Quadratic programs: the problem, its solution, and the solvers behind one interface."""
 
-from .problem import QpProblem, QpResult, QpStatus, Residuals, residuals
-from .solver import SOLVERS, QpSolver, SolverSettings, make_solver
+from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus, Residuals, residuals
+from ghc_controller.qp.solver import SOLVERS, QpSolver, SolverSettings, make_solver
 
 __all__ = [
     "SOLVERS",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import daqp
 import numpy as np
 
-from .problem import QpProblem, QpResult, QpStatus
-from .solver import QpSolver, SolverSettings
+from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus
+from ghc_controller.qp.solver import QpSolver, SolverSettings
 
 _EQUALITY = 5
 _STATUS = {1: QpStatus.SOLVED, 2: QpStatus.SOLVED, -1: QpStatus.INFEASIBLE}

@@ -1,6 +1,6 @@
 """A dense quadratic program in ProxSuite's letters, and what its solution must satisfy.
 
-    min  1/2 x^T H x + g^T x   subject to   A x = b,   l <= C x <= u
+min  1/2 x^T H x + g^T x   subject to   A x = b,   l <= C x <= u
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from enum import Enum
 
 import numpy as np
 
-from ..errors import WrongSize
-from ..types import Array
+from ghc_controller.errors import WrongSize
+from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,7 @@ class QpProblem:
     A: Array  # (e, n)
     b: Array  # (e,)
     C: Array  # (r, n)
-    l: Array  # (r,) -inf where there is no bound  # noqa: E741
+    l: Array  # (r,) -inf where there is no bound
     u: Array  # (r,) +inf where there is no bound
 
     def check(self) -> None:
@@ -83,9 +83,7 @@ def residuals(problem: QpProblem, result: QpResult) -> Residuals:
     primal = max(
         np.max(below, initial=0.0), np.max(above, initial=0.0), np.max(np.abs(gap), initial=0.0)
     )
-    gradient = (
-        problem.H @ result.x + problem.g + problem.A.T @ result.y + problem.C.T @ result.z
-    )
+    gradient = problem.H @ result.x + problem.g + problem.A.T @ result.y + problem.C.T @ result.z
     slack = np.where(result.z > 0.0, -above, -below)
     slack = np.where(result.z == 0.0, 0.0, slack)
     return Residuals(

@@ -7,8 +7,8 @@ from typing import Any
 
 from proxsuite import proxqp
 
-from .problem import QpProblem, QpResult, QpStatus
-from .solver import QpSolver, SolverSettings
+from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus
+from ghc_controller.qp.solver import QpSolver, SolverSettings
 
 _STATUS = {
     proxqp.QPSolverOutput.PROXQP_SOLVED: QpStatus.SOLVED,

@@ -1,0 +1,51 @@
+"""Formulations: ways to turn tasks, priorities and limits into torques, behind one interface.
+
+A new one is a new file with a Formulation, and one line in FORMULATIONS.
+"""
+
+from ghc_controller.errors import UnknownName
+from ghc_controller.qp import QpSolver, make_solver
+from ghc_controller.formulations.balanced import BalancedGhc
+from ghc_controller.formulations.formulation import (
+    Formulation,
+    FormulationSettings,
+    Solution,
+    SolutionStatus,
+    TorqueRegularization,
+)
+from ghc_controller.formulations.ghc import CondensedGhc
+from ghc_controller.formulations.ghc_full import FullGhc
+from ghc_controller.formulations.hqp import Hqp
+from ghc_controller.formulations.problem import AccelerationRows, ContactRows, ControlProblem
+from ghc_controller.formulations.weighted import Weighted
+
+FORMULATIONS: dict[str, type[Formulation]] = {
+    kind.name: kind for kind in (CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted)
+}
+
+
+def make_formulation(
+    name: str, settings: FormulationSettings | None = None, solver: QpSolver | None = None
+) -> Formulation:
+    """Formulation of that name.
+
+    Raises:
+        UnknownName: no such formulation; the message lists those that exist.
+    """
+    if name not in FORMULATIONS:
+        raise UnknownName("formulation", name, FORMULATIONS)
+    return FORMULATIONS[name](settings or FormulationSettings(), solver or make_solver("daqp"))
+
+
+__all__ = [
+    "FORMULATIONS",
+    "AccelerationRows",
+    "ContactRows",
+    "ControlProblem",
+    "Formulation",
+    "FormulationSettings",
+    "Solution",
+    "SolutionStatus",
+    "TorqueRegularization",
+    "make_formulation",
+]

@@ -1,0 +1,54 @@
+"""Gradient-balanced GHC: one QP, the same priority matrix, and lexicographic accuracy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded, unbounded_answer
+from ghc_controller.formulations.formulation import Formulation, Solution
+from ghc_controller.formulations.kernels import balanced_target, inverse_factor, priority_weights, weighted_system
+from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+
+_GUARD = 0.02  # [-] of w: below it the target system is damped
+_LARGEST_SPREAD = 1e10  # [-] of the metric between the first and the last level
+_METRIC_FLOOR = 1e-4  # [-] weight of directions that no task claims
+
+
+class BalancedGhc(Formulation):
+    """Balance of projected gradients (design, section 3.2).
+
+    [sum_i P_i J_i^T J_i + w I] x* = sum_i P_i J_i^T b_i is the damped lexicographic optimum at
+    strict orders and linear in the P_i, hence continuous in alpha. The QP
+    min 1/2 (x - x*)^T W (x - x*), W = sum_i gamma_i J_i^T J_i, decides what yields at bounds.
+    """
+
+    name = "balanced"
+
+    def solve(self, problem: ControlProblem) -> Solution:
+        """See Formulation.solve."""
+        settings = self.settings
+        reduced = reduce_contacts(problem)
+        target, _ = balanced_target(
+            reduced.jacobian,
+            reduced.target,
+            problem.starts,
+            problem.alpha,
+            settings.regularization,
+            settings.projector.rank_tolerance,
+            settings.projector.layer_damping,
+            _GUARD * settings.regularization,
+        )
+        answer = unbounded_answer(reduced, target)
+        if answer is not None:
+            return answer
+        contacts = problem.contacts
+        k = problem.alpha.shape[0]
+        ratio = min(settings.metric_ratio, _LARGEST_SPREAD ** (1.0 / max(k - 1, 1)))
+        weights = priority_weights(problem.alpha, ratio)
+        metric, _ = weighted_system(
+            reduced.jacobian, reduced.target, problem.starts, weights, _METRIC_FLOOR
+        )
+        rows = 0 if contacts is None else contacts.jacobian.shape[0]
+        scale = 1.0 if contacts is None else float(1.0 / np.sqrt(contacts.force_weight))
+        parametrization = Parametrization.whitened(target, inverse_factor(metric), rows, scale)
+        return solve_bounded(reduced, parametrization, self.solver, settings)

@@ -1,0 +1,85 @@
+"""Generalized Hierarchical Control in its condensed form: eq. 13 without the nu'_i, exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.types import Array
+from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded, unbounded_answer
+from ghc_controller.formulations.formulation import Formulation, FormulationSettings, Solution, TorqueRegularization
+from ghc_controller.formulations.kernels import ghc_factor, ghc_target
+from ghc_controller.formulations.problem import ControlProblem, ReducedProblem, reduce_contacts
+
+
+class CondensedGhc(Formulation):
+    """Eq. 13 of the GHC paper with the task variables nu'_i minimised out.
+
+    With x = sum_i P_i nu'_i fixed, the least cost of the nu'_i is w/2 (x - x0)^T G^-1 (x - x0).
+    L L^T = G and x = x0 + L s leave 1/2 |s|^2 over n variables, and no QP where x0 is feasible.
+    """
+
+    name = "ghc"
+
+    def solve(self, problem: ControlProblem) -> Solution:
+        """See Formulation.solve."""
+        settings = self.settings
+        reduced = reduce_contacts(problem)
+        x0, projectors = ghc_target(
+            reduced.jacobian,
+            reduced.target,
+            problem.starts,
+            problem.alpha,
+            settings.regularization,
+            settings.projector.rank_tolerance,
+            settings.projector.layer_damping,
+        )
+        unweighted = settings.torque_regularization is TorqueRegularization.NONE
+        if unweighted:
+            answer = unbounded_answer(reduced, x0)
+            if answer is not None:
+                return answer
+        factor = ghc_factor(reduced.jacobian, problem.starts, projectors, settings.regularization)
+        contacts = problem.contacts
+        rows = 0 if contacts is None else contacts.jacobian.shape[0]
+        scale = 1.0
+        if contacts is not None:
+            scale = float(np.sqrt(settings.regularization / contacts.force_weight))
+        parametrization = Parametrization.whitened(x0, factor, rows, scale)
+        if not unweighted:
+            parametrization = _with_torque_cost(reduced, parametrization, settings)
+        return solve_bounded(reduced, parametrization, self.solver, settings)
+
+
+def torque_reference(reduced: ReducedProblem, settings: FormulationSettings) -> Array:
+    """(a,) torque to which the weight on tau pulls: the bias h, or zero."""
+    source = reduced.source
+    if settings.torque_regularization is TorqueRegularization.BIAS:
+        return source.bias[source.unactuated :]
+    return np.zeros(source.bias.shape[0] - source.unactuated)
+
+
+def _with_torque_cost(
+    reduced: ReducedProblem, parametrization: Parametrization, settings: FormulationSettings
+) -> Parametrization:
+    """Whiten again with wt/(2 w) |tau - reference|^2 added to 1/2 |s|^2."""
+    weight = settings.torque_weight / settings.regularization
+    tau_factor = (
+        reduced.torque_matrix @ parametrization.acceleration_factor
+        + reduced.torque_force @ parametrization.force_factor
+    )
+    tau = (
+        reduced.torque_offset
+        + reduced.torque_matrix @ parametrization.acceleration
+        + reduced.torque_force @ parametrization.force
+    )
+    hessian = np.eye(tau_factor.shape[1]) + weight * tau_factor.T @ tau_factor
+    gradient = weight * tau_factor.T @ (tau - torque_reference(reduced, settings))
+    lower = np.linalg.cholesky(hessian)
+    rescale = np.linalg.solve(lower, np.eye(lower.shape[0])).T
+    shift = -rescale @ (rescale.T @ gradient)
+    return Parametrization(
+        parametrization.acceleration + parametrization.acceleration_factor @ shift,
+        np.ascontiguousarray(parametrization.acceleration_factor @ rescale),
+        parametrization.force + parametrization.force_factor @ shift,
+        np.ascontiguousarray(parametrization.force_factor @ rescale),
+    )

@@ -1,0 +1,55 @@
+"""Generalized Hierarchical Control as eq. 13 is written: one variable nu'_i per task."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.hierarchy.projector import generalized_projectors
+from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded
+from ghc_controller.formulations.formulation import Formulation, Solution, TorqueRegularization
+from ghc_controller.formulations.ghc import torque_reference
+from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+
+
+class FullGhc(Formulation):
+    """Eq. 13 of the GHC paper over (nu'_1 .. nu'_k, f); tau follows from (13b).
+
+    Reference for the condensed form in tests and benchmarks: k times the variables, same answer.
+    """
+
+    name = "ghc_full"
+
+    def solve(self, problem: ControlProblem) -> Solution:
+        """See Formulation.solve."""
+        settings = self.settings
+        reduced = reduce_contacts(problem)
+        projectors = generalized_projectors(
+            reduced.jacobian, problem.starts, problem.alpha, settings.projector
+        )
+        k, d = projectors.shape[0], projectors.shape[1]
+        contact_rows = reduced.torque_force.shape[1]
+        size = k * d + contact_rows
+        hessian = np.zeros((size, size))
+        gradient = np.zeros(size)
+        for i in range(k):
+            rows = reduced.jacobian[problem.starts[i] : problem.starts[i + 1]]
+            block = slice(i * d, (i + 1) * d)
+            hessian[block, block] = rows.T @ rows + settings.regularization * np.eye(d)
+            gradient[block] = -rows.T @ reduced.target[problem.starts[i] : problem.starts[i + 1]]
+        acceleration_factor = np.zeros((d, size))
+        acceleration_factor[:, : k * d] = np.hstack(list(projectors))
+        force_factor = np.zeros((contact_rows, size))
+        force_factor[:, k * d :] = np.eye(contact_rows)
+        if problem.contacts is not None:
+            hessian[k * d :, k * d :] = problem.contacts.force_weight * np.eye(contact_rows)
+        if settings.torque_regularization is not TorqueRegularization.NONE:
+            tau_factor = (
+                reduced.torque_matrix @ acceleration_factor + reduced.torque_force @ force_factor
+            )
+            offset = reduced.torque_offset - torque_reference(reduced, settings)
+            hessian += settings.torque_weight * tau_factor.T @ tau_factor
+            gradient += settings.torque_weight * tau_factor.T @ offset
+        parametrization = Parametrization(
+            np.zeros(d), acceleration_factor, np.zeros(contact_rows), force_factor
+        )
+        return solve_bounded(reduced, parametrization, self.solver, settings, hessian, gradient)

@@ -1,0 +1,35 @@
+"""Weighting strategy: one QP whose task weights follow the priority matrix."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded
+from ghc_controller.formulations.formulation import Formulation, Solution
+from ghc_controller.formulations.kernels import inverse_factor, priority_weights, weighted_system
+from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+
+
+class Weighted(Formulation):
+    """Eq. 12 of the GHC paper with omega_i = (1 - alpha_ii) ratio^(s_i).
+
+    s_i = sum_j alpha_ji counts the tasks that i dominates: continuous in alpha, never strict.
+    """
+
+    name = "weighted"
+
+    def solve(self, problem: ControlProblem) -> Solution:
+        """See Formulation.solve."""
+        settings = self.settings
+        reduced = reduce_contacts(problem)
+        weights = priority_weights(problem.alpha, settings.weight_ratio)
+        hessian, right = weighted_system(
+            reduced.jacobian, reduced.target, problem.starts, weights, settings.regularization
+        )
+        factor = inverse_factor(hessian)
+        target = factor @ (factor.T @ right)
+        contacts = problem.contacts
+        rows = 0 if contacts is None else contacts.jacobian.shape[0]
+        scale = 1.0 if contacts is None else float(1.0 / np.sqrt(contacts.force_weight))
+        parametrization = Parametrization.whitened(target, factor, rows, scale)
+        return solve_bounded(reduced, parametrization, self.solver, settings)
