@@ -18,10 +18,8 @@ from ghc_controller.rotation import (
     rotation_log,
     vector_motion,
 )
-from ghc_controller.tasks.task import ReferenceSpace, Task
+from ghc_controller.tasks.task import UNIT_TOLERANCE, ReferenceSpace, Task
 from ghc_controller.types import Array, TaskTarget
-
-_UNIT_TOLERANCE = 1e-3  # a quaternion this far from unit length is refused, else normalised
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,7 +227,7 @@ class ReferenceTrajectory:
     def _normalise_quaternions(self) -> None:
         quaternions = self.position[:, -4:]
         lengths = np.linalg.norm(quaternions, axis=1)
-        if (np.abs(lengths - 1.0) > _UNIT_TOLERANCE).any():
+        if (np.abs(lengths - 1.0) > UNIT_TOLERANCE).any():
             worst = int(np.argmax(np.abs(lengths - 1.0)))
             raise InvalidValue(
                 f"task '{self.task}', position: quaternion of length {lengths[worst]:g} given at"

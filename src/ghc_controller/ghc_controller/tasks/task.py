@@ -14,6 +14,8 @@ from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.kernels import task_rows
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
+UNIT_TOLERANCE = 1e-3  # a quaternion this far from unit length is refused, else normalised
+
 
 class ReferenceSpace(Enum):
     """What the numbers of TaskTarget.position are; decides how references are interpolated."""
@@ -121,15 +123,16 @@ class Task(ABC):
         return self._reference or self.static_target(self.current(model))
 
     def static_target(self, position: Array) -> TaskTarget:
-        """Target at rest at `position`; checked, see `check_target`."""
-        target = TaskTarget(
-            np.array(position, dtype=np.float64), np.zeros(self.size), np.zeros(self.size)
-        )
+        """Target at rest at `position`; checked, see `check_target`, quaternions normalised."""
+        values = np.array(position, dtype=np.float64)
+        target = TaskTarget(values, np.zeros(self.size), np.zeros(self.size))
         self.check_target(target)
+        if self.space is not ReferenceSpace.VECTOR:
+            values[-4:] /= np.linalg.norm(values[-4:])
         return target
 
     def check_target(self, target: TaskTarget) -> None:
-        """Refuse a target of other sizes or with entries that are not finite.
+        """Refuse wrong sizes, entries that are not finite and quaternions not of unit length.
 
         Raises:
             WrongSize, InvalidValue: name the task, the field, what was given and expected.
@@ -148,6 +151,13 @@ class Task(ABC):
             if not np.isfinite(value).all():
                 raise InvalidValue(
                     f"task '{self.name}', {field}: {value.tolist()} given, finite numbers expected"
+                )
+        if self.space is not ReferenceSpace.VECTOR:
+            length = float(np.linalg.norm(target.position[-4:]))
+            if abs(length - 1.0) > UNIT_TOLERANCE:
+                raise InvalidValue(
+                    f"task '{self.name}', position: quaternion of length {length:g} given,"
+                    " a unit quaternion x, y, z, w expected"
                 )
 
     def reset(self) -> None:

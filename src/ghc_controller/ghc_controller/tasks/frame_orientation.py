@@ -1,0 +1,88 @@
+"""Orientation of a frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.config import Fields
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.rotation import quaternion_from_matrix
+from ghc_controller.tasks.orientation_kernels import orientation_rows
+from ghc_controller.tasks.registry import register_task
+from ghc_controller.tasks.task import ReferenceSpace, Task
+from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+
+
+@register_task("frame_orientation")
+class FrameOrientationTask(Task):
+    """Rotation R of a frame; references are unit quaternions x, y, z, w (frame to world).
+
+    Error e = log(R* R^T) [rad]: the rotation vector in world axes that turns the frame onto its
+    reference. Rows act on the angular velocity w = J v in world axes:
+        J dv -> w*' + stiffness e + damping (w* - w) - J' v.
+    Exactly, e' = J_l(e)^-1 w* - J_r(e)^-1 w, with the left and right Jacobians of rotation.py;
+    w* - w stands for e' to first order. Along e the two agree for every e, since J_l(e)^T e =
+    J_r(e)^T e = e, so that |e|' = e . (w* - w) / |e|: the law contracts the error up to |e| = pi,
+    where its direction jumps.
+
+    Fields: frame, stiffness, damping, reference (optional quaternion).
+    """
+
+    space = ReferenceSpace.ORIENTATION
+    error_unit = "rad"
+
+    def __init__(
+        self,
+        name: str,
+        model: RobotModel,
+        frame: str,
+        stiffness: float | Array,
+        damping: float | Array,
+        reference: Array | None = None,
+    ) -> None:
+        """See Task for the gains.
+
+        Raises:
+            UnknownName: no such frame; lists those that exist.
+        """
+        super().__init__(name, ("rx", "ry", "rz"), stiffness, damping, reference)
+        self.frame = frame
+        self._frame_id = model.frame_id(frame)
+
+    @classmethod
+    def from_config(cls, fields: Fields, model: RobotModel) -> FrameOrientationTask:
+        """Build from one entry of `tasks` in robot.yaml."""
+        reference = np.array(fields.numbers("reference", 4)) if fields.has("reference") else None
+        return cls(
+            fields.text("name"),
+            model,
+            fields.choice("frame", model.frame_names),
+            np.array(fields.numbers("stiffness", 3)),
+            np.array(fields.numbers("damping", 3)),
+            reference,
+        )
+
+    def write_rows(
+        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
+    ) -> int:
+        """Rows on the angular velocity in world axes."""
+        frame = model.frame(self._frame_id)
+        orientation_rows(
+            frame.rotation,
+            frame.jacobian,
+            frame.velocity,
+            frame.drift,
+            target.position,
+            target.velocity,
+            target.acceleration,
+            self.stiffness,
+            self.damping,
+            out.jacobian,
+            out.target,
+            out.error,
+        )
+        return 0
+
+    def current(self, model: RobotModel) -> Array:
+        """Quaternion x, y, z, w of the frame now, (4,)."""
+        return quaternion_from_matrix(model.frame_rotation(self._frame_id))
