@@ -4,7 +4,6 @@ A new one is a new file with a Formulation, and one line in FORMULATIONS.
 """
 
 from ghc_controller.errors import UnknownName
-from ghc_controller.qp import QpSolver, make_solver
 from ghc_controller.formulations.balanced import BalancedGhc
 from ghc_controller.formulations.formulation import (
     Formulation,
@@ -18,6 +17,7 @@ from ghc_controller.formulations.ghc_full import FullGhc
 from ghc_controller.formulations.hqp import Hqp
 from ghc_controller.formulations.problem import AccelerationRows, ContactRows, ControlProblem
 from ghc_controller.formulations.weighted import Weighted
+from ghc_controller.qp import QpSolver, make_solver
 
 FORMULATIONS: dict[str, type[Formulation]] = {
     kind.name: kind for kind in (CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted)

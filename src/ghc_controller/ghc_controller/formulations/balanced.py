@@ -6,7 +6,12 @@ import numpy as np
 
 from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded, unbounded_answer
 from ghc_controller.formulations.formulation import Formulation, Solution
-from ghc_controller.formulations.kernels import balanced_target, inverse_factor, priority_weights, weighted_system
+from ghc_controller.formulations.kernels import (
+    balanced_target,
+    inverse_factor,
+    priority_weights,
+    weighted_system,
+)
 from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped

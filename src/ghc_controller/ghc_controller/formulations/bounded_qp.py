@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ghc_controller.qp import QpProblem, QpResult, QpSolver, residuals
-from ghc_controller.types import Array, Bounds
 from ghc_controller.formulations.formulation import FormulationSettings, Solution, SolutionStatus
 from ghc_controller.formulations.kernels import meets_boxes
 from ghc_controller.formulations.problem import ReducedProblem
+from ghc_controller.qp import RESIDUAL_TOLERANCE, QpProblem, QpResult, QpSolver, residuals
+from ghc_controller.types import Array, Bounds
 
 _ROW_TOLERANCE = 1e-5  # [rad/s^2] or [Nm] largest violation of a row in an accepted answer
 _SLACK_COUNTS = 1e-6  # [rad/s^2] a soft row that gives way by less has not
@@ -33,7 +33,7 @@ class Parametrization:
     def whitened(
         cls, acceleration: Array, factor: Array, contact_rows: int, force_scale: float
     ) -> Parametrization:
-        """Accelerations whitened by `factor` (d, r), forces by one scale: unit cost on all of s."""
+        """Accelerations whitened by `factor` (d, r), forces by one scale: cost 1/2 |s|^2."""
         if contact_rows == 0:
             none = np.zeros((0, factor.shape[1]))
             return cls(acceleration, factor, np.zeros(0), none)
@@ -177,16 +177,12 @@ def solve_bounded(
     answer = _accept(reduced, parametrization, qp.problem, solver.solve(qp.problem), qp)
     if answer is not None:
         return answer
-    for torque in (source.torque, source.torque_limit):
+    for rate_gave_way, torque in ((False, source.torque), (True, source.torque_limit)):
         qp = build_qp(reduced, parametrization, *cost, torque)
         softened = soften(qp, settings.slack_weight)
         answer = _accept(reduced, parametrization, softened, solver.solve(softened), qp)
         if answer is not None:
-            return replace(
-                answer,
-                status=SolutionStatus.RELAXED,
-                rate_gave_way=torque is source.torque_limit,
-            )
+            return replace(answer, status=SolutionStatus.RELAXED, rate_gave_way=rate_gave_way)
     nothing = np.full(reduced.torque_offset.shape[0], np.nan)
     return Solution(
         np.full(source.bias.shape[0], np.nan), np.zeros(0), nothing, SolutionStatus.FAILED, True
@@ -204,7 +200,8 @@ def _accept(
     if not result.found or not np.isfinite(result.x).all():
         return None
     check = residuals(problem, result)
-    if check.primal * float(np.max(qp.row_norm)) > _ROW_TOLERANCE and check.primal > 1e-7:
+    violation = check.primal * float(np.max(qp.row_norm))
+    if violation > _ROW_TOLERANCE and check.relative(result) > RESIDUAL_TOLERANCE:
         return None
     s = result.x[: parametrization.acceleration_factor.shape[1]]
     y = parametrization.acceleration + parametrization.acceleration_factor @ s

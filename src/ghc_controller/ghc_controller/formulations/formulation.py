@@ -9,10 +9,10 @@ from enum import Enum
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.hierarchy.projector import ProjectorSettings
 from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
-from ghc_controller.formulations.problem import ControlProblem
 
 
 class TorqueRegularization(Enum):

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.types import Array
 from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded, unbounded_answer
-from ghc_controller.formulations.formulation import Formulation, FormulationSettings, Solution, TorqueRegularization
+from ghc_controller.formulations.formulation import (
+    Formulation,
+    FormulationSettings,
+    Solution,
+    TorqueRegularization,
+)
 from ghc_controller.formulations.kernels import ghc_factor, ghc_target
 from ghc_controller.formulations.problem import ControlProblem, ReducedProblem, reduce_contacts
+from ghc_controller.types import Array
 
 
 class CondensedGhc(Formulation):

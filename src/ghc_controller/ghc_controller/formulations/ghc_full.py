@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.hierarchy.projector import generalized_projectors
 from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution, TorqueRegularization
 from ghc_controller.formulations.ghc import torque_reference
 from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+from ghc_controller.hierarchy.projector import generalized_projectors
 
 
 class FullGhc(Formulation):

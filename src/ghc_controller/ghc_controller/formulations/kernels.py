@@ -157,7 +157,7 @@ def meets_boxes(
     for d in range(x.shape[0]):
         if not (lower[d] <= x[d] <= upper[d]):
             return False
-    for d in range(tau.shape[0]):
+    for d in range(tau.shape[0]):  # noqa: SIM110 - compiled
         if not (tau_lower[d] <= tau[d] <= tau_upper[d]):
             return False
     return True

@@ -2,9 +2,17 @@
 
 from ghc_controller.hierarchy.hierarchy_string import format_hierarchy, matrix_from_hierarchy
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
-from ghc_controller.hierarchy.projector import ProjectorSettings, generalized_projectors, smallest_singular_value
+from ghc_controller.hierarchy.projector import (
+    ProjectorSettings,
+    generalized_projectors,
+    smallest_singular_value,
+)
 from ghc_controller.hierarchy.transition import Profile, Transition
-from ghc_controller.hierarchy.transition_schedule import TransitionEvent, TransitionPhase, TransitionSchedule
+from ghc_controller.hierarchy.transition_schedule import (
+    TransitionEvent,
+    TransitionPhase,
+    TransitionSchedule,
+)
 
 __all__ = [
     "PriorityMatrix",

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from enum import Enum
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.types import Array
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
+from ghc_controller.types import Array
 
 
 class Profile(Enum):

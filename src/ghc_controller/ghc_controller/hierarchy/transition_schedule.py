@@ -9,9 +9,9 @@ from enum import Enum
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.types import Array
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
 from ghc_controller.hierarchy.transition import Transition
+from ghc_controller.types import Array
 
 _RAMP_SAMPLES = 9  # matrices looked at between start and target of a requested ramp
 

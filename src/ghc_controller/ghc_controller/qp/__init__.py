@@ -1,9 +1,17 @@
 """Quadratic programs: the problem, its solution, and the solvers behind one interface."""
 
-from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus, Residuals, residuals
+from ghc_controller.qp.problem import (
+    RESIDUAL_TOLERANCE,
+    QpProblem,
+    QpResult,
+    QpStatus,
+    Residuals,
+    residuals,
+)
 from ghc_controller.qp.solver import SOLVERS, QpSolver, SolverSettings, make_solver
 
 __all__ = [
+    "RESIDUAL_TOLERANCE",
     "SOLVERS",
     "QpProblem",
     "QpResult",

@@ -13,6 +13,8 @@ import numpy as np
 from ghc_controller.errors import WrongSize
 from ghc_controller.types import Array
 
+RESIDUAL_TOLERANCE = 1e-7  # [-] relative residual up to which an answer is believed
+
 
 @dataclass(frozen=True, slots=True)
 class QpProblem:
@@ -23,7 +25,7 @@ class QpProblem:
     A: Array  # (e, n)
     b: Array  # (e,)
     C: Array  # (r, n)
-    l: Array  # (r,) -inf where there is no bound
+    l: Array  # noqa: E741 - (r,) -inf where there is no bound
     u: Array  # (r,) +inf where there is no bound
 
     def check(self) -> None:
@@ -73,6 +75,11 @@ class Residuals:
     primal: float  # violation of the equalities and bounds
     dual: float  # stationarity
     complementarity: float  # multiplier times distance to its bound
+
+    def relative(self, result: QpResult) -> float:
+        """Primal and dual residual, the larger one, over the size of the answer."""
+        size = 1.0 + float(np.max(np.abs(result.x), initial=0.0))
+        return max(self.primal, self.dual) / size
 
 
 def residuals(problem: QpProblem, result: QpResult) -> Residuals:

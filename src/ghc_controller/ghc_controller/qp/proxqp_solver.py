@@ -20,8 +20,10 @@ _MAX_WORKSPACES = 8  # sizes kept; nominal, relaxed and one per level of a casca
 
 
 class ProxqpSolver(QpSolver):
-    """Augmented-Lagrangian solver; starts from the previous answer of the same size with fresh penalties:
-    penalties carried over from another problem make it miss its iteration limit."""
+    """Augmented-Lagrangian solver, started from the previous answer of the same size.
+
+    Its penalties start afresh: carried over, they make the next problem miss the iteration limit.
+    """
 
     name = "proxqp"
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus, residuals
+from ghc_controller.qp.problem import RESIDUAL_TOLERANCE, QpProblem, QpResult, QpStatus, residuals
 from ghc_controller.qp.solver import QpSolver
-
-_RESIDUAL = 1e-6  # [-] of a normalised row
 
 
 class SecondOpinion(QpSolver):
@@ -22,9 +20,7 @@ class SecondOpinion(QpSolver):
         result = self._first.solve(problem)
         if result.status is QpStatus.INFEASIBLE:
             return result
-        if result.found:
-            check = residuals(problem, result)
-            if max(check.primal, check.dual) <= _RESIDUAL:
-                return result
+        if result.found and residuals(problem, result).relative(result) <= RESIDUAL_TOLERANCE:
+            return result
         self.asked += 1
         return self._second.solve(problem)
