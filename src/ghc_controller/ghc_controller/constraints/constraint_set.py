@@ -1,0 +1,108 @@
+"""All constraints of a controller, evaluated and merged once a tick."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ghc_controller.constraints.box import Box, Slack, merge_boxes
+from ghc_controller.constraints.constraint import Constraint, Softness, Space
+from ghc_controller.errors import InvalidValue
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.types import Array, Bounds, Dynamics, RobotState
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """What the constraints allow at the last state; overwritten by ConstraintSet.update."""
+
+    acceleration: Box  # (n,) [rad/s^2]
+    torque: Box  # (a,) [Nm]
+
+
+class ConstraintSet:
+    """Constraints in any order; the merge goes by softness, then by the given order."""
+
+    def __init__(self, constraints: Sequence[Constraint], model: RobotModel) -> None:
+        """Prepare one merge for accelerations and one for torques.
+
+        Raises:
+            InvalidValue: two constraints share a name.
+        """
+        names = [constraint.name for constraint in constraints]
+        for name in names:
+            if names.count(name) > 1:
+                raise InvalidValue(f"constraint name '{name}' is given twice; names must differ")
+        base = tuple(f"base_{i}" for i in range(model.nv - model.na))
+        self._acceleration = _Merge(
+            [c for c in constraints if c.space is Space.ACCELERATION], base + model.joint_names
+        )
+        self._torque = _Merge(
+            [c for c in constraints if c.space is Space.TORQUE], model.joint_names
+        )
+        self.boxes = Boxes(self._acceleration.box, self._torque.box)
+
+    def update(
+        self,
+        model: RobotModel,
+        dynamics: Dynamics,
+        state: RobotState,
+        previous_torque: Array | None,
+        dt: float,
+    ) -> Boxes:
+        """Merged boxes at the state of the last `model.update`; arguments as in Constraint."""
+        self._acceleration.update(model, dynamics, state, previous_torque, dt)
+        self._torque.update(model, dynamics, state, previous_torque, dt)
+        return self.boxes
+
+
+class _Merge:
+    """Constraints of one space with the memory for their boxes."""
+
+    def __init__(self, constraints: list[Constraint], entries: tuple[str, ...]) -> None:
+        self._constraints = sorted(constraints, key=lambda constraint: constraint.softness)
+        self._hard_count = sum(c.softness is Softness.HARD for c in constraints)
+        shape = (len(constraints), len(entries))
+        self._lowers, self._uppers = np.full(shape, -np.inf), np.full(shape, np.inf)
+        self._slack = np.zeros(shape)
+        self._rows = list(zip(self._constraints, self._lowers, self._uppers, strict=True))
+        self._merged = np.empty((4, len(entries)))
+        self._sources = np.empty((2, len(entries)), dtype=np.int64)
+        self.box = Box(
+            Bounds(self._merged[0], self._merged[1]),
+            Bounds(self._merged[2], self._merged[3]),
+            self._sources[0],
+            self._sources[1],
+            (),
+            tuple(constraint.name for constraint in self._constraints),
+            entries,
+        )
+
+    def update(
+        self,
+        model: RobotModel,
+        dynamics: Dynamics,
+        state: RobotState,
+        previous_torque: Array | None,
+        dt: float,
+    ) -> None:
+        for constraint, lower, upper in self._rows:
+            constraint.write(model, dynamics, state, previous_torque, dt, lower, upper)
+        gave_way = merge_boxes(
+            self._lowers,
+            self._uppers,
+            self._hard_count,
+            self._merged,
+            self._sources,
+            self._slack,
+        )
+        self.box.slack = self._named_slack() if gave_way else ()
+
+    def _named_slack(self) -> tuple[Slack, ...]:
+        box = self.box
+        return tuple(
+            Slack(f"{box.names[c]}.{box.entries[entry]}", float(self._slack[c, entry]))
+            for c, entry in np.argwhere(self._slack > 0.0)
+        )

@@ -1,0 +1,105 @@
+"""Joint position limits as acceleration bounds that keep the joint able to stop in time."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+
+from ghc_controller.constraints.constraint import (
+    Constraint,
+    Softness,
+    Space,
+    positive_per_joint,
+)
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.types import Array, Dynamics, RobotState
+
+
+class JointPositionLimit(Constraint):
+    """Viability: |v| <= sqrt(2 a_brake (q_max - q)) one control period from now.
+
+    A joint that satisfies it stops before its limit by braking with a_brake [rad/s^2], which is
+    stated here because the torque box must be able to deliver it. The upper bound is the largest
+    constant acceleration over dt after which
+
+        (v + x dt)^2 / (2 a_brake) <= q_max - q - v dt - x dt^2 / 2      when v + x dt > 0,
+
+    a quadratic inequality in x; the lower bound mirrors it. For x > 0 the last term is taken as
+    x dt^2, so that a semi-implicit integrator (MuJoCo's) does not overtake the bound either. The
+    box always contains clip(-v / dt, -a_brake, a_brake), braking to a stop: it is never empty,
+    and a joint that is already beyond a limit may stop or return but not go on.
+    """
+
+    space = Space.ACCELERATION
+    softness = Softness.SOFT
+
+    def __init__(
+        self,
+        lower: Array,
+        upper: Array,
+        brake_acceleration: Array | float = 5.0,
+        name: str = "position_limit",
+    ) -> None:
+        """Bound the last a entries of q by lower and upper (a,) [rad]; +-inf for no limit."""
+        super().__init__(name)
+        self.lower, self.upper = lower.copy(), upper.copy()
+        joints = lower.shape[0]
+        self.brake_acceleration = positive_per_joint(
+            brake_acceleration, joints, f"{name}, brake acceleration"
+        )
+
+    def write(
+        self,
+        model: RobotModel,
+        dynamics: Dynamics,
+        state: RobotState,
+        previous_torque: Array | None,
+        dt: float,
+        lower: Array,
+        upper: Array,
+    ) -> None:
+        """Write the acceleration box of this state."""
+        _position_box(
+            model.q, model.v, self.lower, self.upper, self.brake_acceleration, dt, lower, upper
+        )
+
+
+@numba.njit(cache=True)
+def viable_acceleration(distance: float, v: float, brake: float, dt: float) -> float:
+    """Largest acceleration towards a limit that is `distance` away, approached with speed v."""
+    if distance == math.inf:
+        return math.inf
+    stop = -v / dt
+    # (v + x dt)^2 / (2 brake) + v dt + c x dt^2 - distance = a x^2 + b x + constant
+    a = dt * dt / (2.0 * brake)
+    constant = v * v / (2.0 * brake) + v * dt - distance
+    best = -math.inf
+    for c in (1.0, 0.5):
+        b = v * dt / brake + c * dt * dt
+        discriminant = b * b - 4.0 * a * constant
+        if discriminant >= 0.0:
+            best = (-b + math.sqrt(discriminant)) / (2.0 * a)
+            if best >= 0.0:
+                break
+    if best < stop:  # it cannot only slow down: it must turn back, or stay inside while stopping
+        best = min(stop, 2.0 * (distance - v * dt) / (dt * dt))
+    return max(best, min(max(stop, -brake), brake))
+
+
+@numba.njit(cache=True)
+def _position_box(
+    q: Array,
+    v: Array,
+    q_min: Array,
+    q_max: Array,
+    brake: Array,
+    dt: float,
+    lower: Array,
+    upper: Array,
+) -> None:
+    q_base, v_base = q.shape[0] - brake.shape[0], v.shape[0] - brake.shape[0]
+    for i in range(brake.shape[0]):
+        position, speed = q[q_base + i], v[v_base + i]
+        upper[v_base + i] = viable_acceleration(q_max[i] - position, speed, brake[i], dt)
+        lower[v_base + i] = -viable_acceleration(position - q_min[i], -speed, brake[i], dt)

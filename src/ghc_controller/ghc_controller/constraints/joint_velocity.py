@@ -1,0 +1,59 @@
+"""Joint velocity limits, acting over a horizon."""
+
+from __future__ import annotations
+
+import numba
+
+from ghc_controller.constraints.constraint import (
+    Constraint,
+    Softness,
+    Space,
+    positive_per_joint,
+)
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.types import Array, Dynamics, RobotState
+
+
+class JointVelocityLimit(Constraint):
+    """(-limit - v) / h <= dv <= (limit - v) / h per joint.
+
+    Approaching the limit no faster than exponentially with time constant h [s] costs less torque
+    rate than stopping within one period; h of 10 to 50 ms is advised, and h below the control
+    period is raised to it. Above the limit the box demands braking back to it.
+    """
+
+    space = Space.ACCELERATION
+    softness = Softness.SOFT
+
+    def __init__(
+        self,
+        limit: Array | float,
+        joints: int,
+        horizon: float = 0.02,
+        name: str = "velocity_limit",
+    ) -> None:
+        """Bound the last `joints` entries of v by limit [rad/s], one number or (a,)."""
+        super().__init__(name)
+        self.limit = positive_per_joint(limit, joints, name)
+        self.horizon = float(positive_per_joint(horizon, 1, f"{name}, horizon")[0])
+
+    def write(
+        self,
+        model: RobotModel,
+        dynamics: Dynamics,
+        state: RobotState,
+        previous_torque: Array | None,
+        dt: float,
+        lower: Array,
+        upper: Array,
+    ) -> None:
+        """Write the acceleration box of this state."""
+        _velocity_box(model.v, self.limit, max(self.horizon, dt), lower, upper)
+
+
+@numba.njit(cache=True)
+def _velocity_box(v: Array, limit: Array, horizon: float, lower: Array, upper: Array) -> None:
+    base = v.shape[0] - limit.shape[0]
+    for i in range(limit.shape[0]):
+        lower[base + i] = (-limit[i] - v[base + i]) / horizon
+        upper[base + i] = (limit[i] - v[base + i]) / horizon
