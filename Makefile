@@ -1,0 +1,63 @@
+# One command per job; `make help` lists them. Every job that needs the workspace sets it up first,
+# which takes a fraction of a second when nothing changed.
+
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.PHONY: help setup demo run test bench paper lint format lock clean distclean
+MAKEFLAGS += --no-print-directory
+
+# The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
+STARTER := $(firstword $(foreach python,python3 python3.12 python3.11,\
+    $(shell $(python) -c 'import sys; sys.version_info >= (3, 8) and print("$(python)")' 2>/dev/null)))
+WORKSPACE = . .venv/bin/activate && . install/setup.bash
+RUN = $(WORKSPACE) && exec python tools/ros2_run.py
+
+# Options of `make run` and `make demo`; ARGS goes through as it is.
+OPTIONS = $(if $(FORMULATION),--formulation $(FORMULATION)) \
+          $(if $(TRANSITION),--transition $(TRANSITION)) \
+          $(if $(DT),--dt $(DT)) \
+          $(if $(RECORD),--record $(RECORD)) \
+          $(if $(filter-out 0,$(VIEW)),--view) \
+          $(ARGS)
+
+help: ## list the commands
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	@echo
+	@echo "  make run SCENARIO=name [FORMULATION=name] [TRANSITION=seconds] [DT=seconds]"
+	@echo "           [RECORD=full] [VIEW=1] [ARGS='more options of the experiment']"
+	@echo "  make test ARGS='-k words'   make setup PYTHON=python3.12   make lock UPGRADE=1"
+
+setup: ## make .venv, install the locked packages, build the messages
+	@test -n "$(STARTER)" || { echo "set-up: no Python: sudo apt install python3 python3-venv python3-dev" >&2; exit 1; }
+	@$(STARTER) -B -m tools.workspace $(if $(PYTHON),--python "$(PYTHON)") $(if $(filter setup,$(MAKECMDGOALS)),,--quiet)
+
+demo: setup ## the main job: the arm changes its priorities (scenario priority_switching)
+	@$(RUN) ghc_sim_bridge experiment --scenario priority_switching $(OPTIONS)
+
+run: setup ## one scenario: SCENARIO=name and the options below
+	@test -n "$(SCENARIO)" || { echo "run: say which one: make run SCENARIO=priority_switching" >&2; exit 2; }
+	@$(RUN) ghc_sim_bridge experiment --scenario "$(SCENARIO)" $(OPTIONS)
+
+paper: setup ## every experiment of the paper, and docs/results.md
+	@$(RUN) ghc_sim_bridge paper $(ARGS)
+
+bench: setup ## time per control step and round trips per second
+	@$(WORKSPACE) && exec python benchmarks/run.py $(ARGS)
+
+test: setup ## all tests; ARGS goes to pytest
+	@$(WORKSPACE) && exec python -m pytest $(ARGS)
+
+lint: setup ## ruff and mypy
+	@$(WORKSPACE) && ruff check && ruff format --check && mypy
+
+format: setup ## put the code into the project's format
+	@$(WORKSPACE) && ruff check --fix && ruff format
+
+lock: setup ## write the hash-pinned locks anew (UPGRADE=1: newer versions)
+	@$(STARTER) -B -m tools.lock $(if $(filter-out 0,$(UPGRADE)),--upgrade)
+
+clean: ## remove what was built and the results; .venv stays
+	rm -rf build install log results .pytest_cache .mypy_cache .ruff_cache
+
+distclean: clean ## remove .venv as well
+	rm -rf .venv

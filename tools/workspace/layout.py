@@ -1,0 +1,64 @@
+"""Where things are, and which of the two ways to ROS 2 this workspace takes."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from pathlib import Path
+
+MESSAGES = "ghc_msgs"
+
+
+class Way(enum.Enum):
+    """Where ROS 2 comes from."""
+
+    WHEELS = "wheels"  # ROS 2 Jazzy as wheels in .venv
+    SYSTEM = "system"  # a sourced ROS 2 Jazzy installation
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Paths of one workspace."""
+
+    root: Path
+
+    @property
+    def venv(self) -> Path:
+        return self.root / ".venv"
+
+    @property
+    def python(self) -> Path:
+        return self.venv / "bin" / "python"
+
+    @property
+    def source(self) -> Path:
+        return self.root / "src"
+
+    @property
+    def build(self) -> Path:
+        return self.root / "build"
+
+    @property
+    def install(self) -> Path:
+        return self.root / "install"
+
+    @property
+    def uv_lock(self) -> Path:
+        return self.root / "requirements" / "uv.txt"
+
+    @property
+    def wheel_includes(self) -> Path:
+        return self.root / "tools" / "wheel_includes.cmake"
+
+    def lock(self, way: Way, version: tuple[int, ...]) -> Path:
+        """The lock file of a way and a Python version."""
+        kind = "lock" if way is Way.WHEELS else "lock-noros"
+        return self.root / "requirements" / f"{kind}-py{version[0]}.{version[1]}.txt"
+
+    def python_packages(self) -> list[Path]:
+        """The packages of src/ that are plain Python (ament_python)."""
+        return sorted(path.parent for path in self.source.glob("*/setup.py"))
+
+    def messages(self) -> Path:
+        """The package with the interfaces, the only one that needs a compiler."""
+        return self.source / MESSAGES

@@ -1,0 +1,44 @@
+"""Runs commands; their output goes to the terminal as it comes."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tools.workspace.errors import SetupError
+
+
+class Runner:
+    """Runs commands in the folder of the workspace."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(
+        self, command: Sequence[str], environment: Mapping[str, str], complaint: str
+    ) -> None:
+        """Run a command; raise SetupError with the complaint when it fails."""
+        code = subprocess.run(command, env=environment, cwd=self._folder, check=False).returncode
+        if code != 0:
+            raise SetupError(f"{complaint} (`{Path(command[0]).name}` ended with {code})")
+
+    def succeeds(self, command: Sequence[str], environment: Mapping[str, str]) -> bool:
+        """Whether a command ends well; its output is dropped."""
+        run = subprocess.run(
+            command, env=environment, cwd=self._folder, check=False, capture_output=True
+        )
+        return run.returncode == 0
+
+    def output(self, command: Sequence[str], environment: Mapping[str, str]) -> str:
+        """What a command prints; empty when it fails."""
+        run = subprocess.run(
+            command,
+            env=environment,
+            cwd=self._folder,
+            check=False,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        return run.stdout if run.returncode == 0 else ""
