@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ghc_controller.config import Fields
+from ghc_controller.errors import InvalidValue
 from ghc_controller.robot_model import RobotModel
-from ghc_controller.tasks.frame_position import WORLD_AXES
+from ghc_controller.tasks.force_control import WORLD_AXES
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+from ghc_controller.types import Array, TaskRows, TaskTarget
 
 
 @register_task("center_of_mass")
@@ -22,12 +23,19 @@ class CenterOfMassTask(Task):
     def __init__(
         self,
         name: str,
+        model: RobotModel,
         stiffness: float | Array,
         damping: float | Array,
         axes: tuple[str, ...] = WORLD_AXES,
         reference: Array | None = None,
     ) -> None:
-        """See Task for the gains."""
+        """See Task for the gains.
+
+        Raises:
+            InvalidValue: the model has no mass.
+        """
+        if not model.mass > 0.0:
+            raise InvalidValue(f"task '{name}': the robot has no mass, thus no centre of mass")
         super().__init__(name, axes, stiffness, damping, reference)
         self._axes = np.array([WORLD_AXES.index(axis) for axis in axes])
 
@@ -40,15 +48,14 @@ class CenterOfMassTask(Task):
             reference = np.array(fields.numbers("reference", len(axes)))
         return cls(
             fields.text("name"),
+            model,
             np.array(fields.numbers("stiffness", len(axes))),
             np.array(fields.numbers("damping", len(axes))),
             axes,
             reference,
         )
 
-    def write_rows(
-        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
-    ) -> int:
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Rows on the velocity of the centre of mass."""
         axes = self._axes
         self.fill(
@@ -59,7 +66,6 @@ class CenterOfMassTask(Task):
             target.velocity - model.center_of_mass_velocity()[axes],
             target.acceleration,
         )
-        return 0
 
     def current(self, model: RobotModel) -> Array:
         """Chosen coordinates of the centre of mass now, (m,) [m]."""

@@ -13,6 +13,7 @@ from ghc_controller.errors import InvalidValue
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
+WORLD_AXES = ("x", "y", "z")
 _MAX_STEP = 0.02  # [s] a longer gap between two states counts as this much integration time
 
 
@@ -51,6 +52,7 @@ class ForceControl:
 
     def __init__(
         self,
+        frame_id: int,
         axes: Sequence[str],
         force_axes: Sequence[str],
         contact: str,
@@ -60,9 +62,12 @@ class ForceControl:
         integral: float = 0.0,
         damping: float = 0.0,
     ) -> None:
-        """Choose the force rows among `axes`, the rows of the task.
+        """Choose the force rows among the rows of a position task.
 
         Args:
+            frame_id: frame of the task, as from RobotModel.frame_id.
+            axes: world axis of each row of the task.
+            force_axes: the axes among them that follow the force.
             contact: name of the measured wrench in RobotState.wrenches.
             threshold, release: [N] norm of the measured force along the force rows.
             proportional: [-]; integral: [1/s].
@@ -84,6 +89,8 @@ class ForceControl:
                 f"force control: release {release} N given, at most threshold {threshold} N"
                 " expected"
             )
+        self._frame_id = frame_id
+        self._axes = np.array([WORLD_AXES.index(axis) for axis in axes])
         self.contact = contact
         self.threshold = threshold
         self.release = release
@@ -94,7 +101,7 @@ class ForceControl:
         self.state = ForceState()
 
     @classmethod
-    def from_config(cls, fields: Fields, axes: Sequence[str]) -> ForceControl:
+    def from_config(cls, fields: Fields, frame_id: int, axes: Sequence[str]) -> ForceControl:
         """Build from the `force` section of a task in robot.yaml."""
         force_axes = fields.names("axes", axes)
         contact = fields.text("contact")
@@ -105,6 +112,7 @@ class ForceControl:
                 "release", f"{release} given, at most threshold {threshold} expected"
             )
         control = cls(
+            frame_id,
             axes,
             force_axes,
             contact,
@@ -126,13 +134,14 @@ class ForceControl:
         model: RobotModel,
         state: RobotState,
         target: TaskTarget,
-        motion: tuple[Array, Array, Array],
         out: TaskRows,
     ) -> int:
         """Change motion rows in `out` into hybrid rows while in contact.
 
         Args:
-            motion: drift (6,) and velocity (6,) of the frame, and its axis per row (m,).
+            model: updated with `state`.
+            state: its time and the wrench of the contact count here.
+            target: reference at this instant.
             out: motion rows already written; force rows get the error f_ref - f_meas [N].
 
         Returns:
@@ -142,21 +151,20 @@ class ForceControl:
         if target.wrench is None or wrench is None:
             self.reset()
             return 0
-        drift, velocity, axes = motion
-        force_error = target.wrench + wrench[axes]
+        force_error = target.wrench + wrench[self._axes]
         force_error[~self.force_rows] = 0.0
-        normal_force = float(np.linalg.norm(wrench[axes[self.force_rows]]))
+        normal_force = float(np.linalg.norm(wrench[self._axes[self.force_rows]]))
         if not self._in_contact(normal_force):
             self.reset()
             return 0
         wrench_d = self._desired_wrench(state.time, target.wrench, force_error)
         _hybrid_rows(
             self.force_rows,
-            axes,
+            self._axes,
             force_error,
             wrench_d,
-            drift,
-            velocity,
+            model.frame_drift(self._frame_id),
+            model.frame_velocity(self._frame_id),
             self.damping,
             model.dynamics.mass_matrix,
             out.jacobian,

@@ -10,7 +10,7 @@ from ghc_controller.rotation import quaternion_from_matrix
 from ghc_controller.tasks.orientation_kernels import orientation_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import ReferenceSpace, Task
-from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+from ghc_controller.types import Array, TaskRows, TaskTarget
 
 
 @register_task("frame_orientation")
@@ -62,9 +62,7 @@ class FrameOrientationTask(Task):
             reference,
         )
 
-    def write_rows(
-        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
-    ) -> int:
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Rows on the angular velocity in world axes."""
         frame = model.frame(self._frame_id)
         orientation_rows(
@@ -81,7 +79,6 @@ class FrameOrientationTask(Task):
             out.target,
             out.error,
         )
-        return 0
 
     def current(self, model: RobotModel) -> Array:
         """Quaternion x, y, z, w of the frame now, (4,)."""

@@ -10,7 +10,7 @@ from ghc_controller.rotation import quaternion_from_matrix
 from ghc_controller.tasks.orientation_kernels import pose_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import ReferenceSpace, Task
-from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+from ghc_controller.types import Array, TaskRows, TaskTarget
 
 
 @register_task("frame_pose")
@@ -57,9 +57,7 @@ class FramePoseTask(Task):
             reference,
         )
 
-    def write_rows(
-        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
-    ) -> int:
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Rows on the linear and angular velocity of the frame in world axes."""
         frame = model.frame(self._frame_id)
         pose_rows(
@@ -77,7 +75,6 @@ class FramePoseTask(Task):
             out.target,
             out.error,
         )
-        return 0
 
     def current(self, model: RobotModel) -> Array:
         """Position and quaternion of the frame now, (7,)."""

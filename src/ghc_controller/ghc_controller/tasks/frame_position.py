@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ghc_controller.config import Fields
 from ghc_controller.robot_model import RobotModel
-from ghc_controller.tasks.force_control import ForceControl
+from ghc_controller.tasks.force_control import WORLD_AXES, ForceControl
 from ghc_controller.tasks.kernels import position_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
-
-WORLD_AXES = ("x", "y", "z")
+from ghc_controller.types import Array, TaskRows, TaskTarget
 
 
 @register_task("frame_position")
@@ -34,7 +33,7 @@ class FramePositionTask(Task):
         reference: Array | None = None,
         force: ForceControl | None = None,
     ) -> None:
-        """See Task for the gains.
+        """See Task for the gains; `force` belongs to the same frame and axes.
 
         Raises:
             UnknownName: no such frame; lists those that exist.
@@ -48,17 +47,18 @@ class FramePositionTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> FramePositionTask:
         """Build from one entry of `tasks` in robot.yaml."""
+        frame = fields.choice("frame", model.frame_names)
         axes = fields.names("axes", WORLD_AXES, default=WORLD_AXES)
         force = None
         if fields.has("force"):
-            force = ForceControl.from_config(fields.section("force"), axes)
+            force = ForceControl.from_config(fields.section("force"), model.frame_id(frame), axes)
         reference = None
         if fields.has("reference"):
             reference = np.array(fields.numbers("reference", len(axes)))
         return cls(
             fields.text("name"),
             model,
-            fields.choice("frame", model.frame_names),
+            frame,
             np.array(fields.numbers("stiffness", len(axes))),
             np.array(fields.numbers("damping", len(axes))),
             axes,
@@ -66,10 +66,8 @@ class FramePositionTask(Task):
             force,
         )
 
-    def write_rows(
-        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
-    ) -> int:
-        """Motion rows; then, in contact, eq. 3 on top of them (see ForceControl)."""
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
+        """Rows on the linear velocity of the origin in world axes."""
         frame = model.frame(self._frame_id)
         position_rows(
             frame.position,
@@ -86,16 +84,12 @@ class FramePositionTask(Task):
             out.target,
             out.error,
         )
-        if self.force is None:
-            return 0
-        motion = (frame.drift, frame.velocity, self._axes)
-        return self.force.apply(model, state, target, motion, out)
+
+    @property
+    def force_row_mask(self) -> NDArray[np.bool_]:
+        """(m,) which rows come under force control once in contact."""
+        return super().force_row_mask if self.force is None else self.force.force_rows
 
     def current(self, model: RobotModel) -> Array:
         """Chosen coordinates of the origin now, (m,) [m]."""
         return model.frame_position(self._frame_id)[self._axes]
-
-    def reset(self) -> None:
-        """Back to motion control, integral of the force error zero."""
-        if self.force is not None:
-            self.force.reset()

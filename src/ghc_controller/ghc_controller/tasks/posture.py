@@ -12,7 +12,7 @@ from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.kernels import posture_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+from ghc_controller.types import Array, TaskRows, TaskTarget
 
 
 @register_task("posture")
@@ -78,9 +78,7 @@ class PostureTask(Task):
             position,
         )
 
-    def write_rows(
-        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
-    ) -> int:
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Selection matrix; target = acceleration + stiffness e + damping e'."""
         posture_rows(
             model.q,
@@ -96,7 +94,6 @@ class PostureTask(Task):
             out.target,
             out.error,
         )
-        return 0
 
     def current(self, model: RobotModel) -> Array:
         """Positions of the joints now, (m,) [rad]."""

@@ -7,10 +7,13 @@ from collections.abc import Sequence
 from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.robot_model import RobotModel
+from ghc_controller.tasks.force_control import ForceControl
 from ghc_controller.tasks.kernels import task_rows
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
@@ -43,10 +46,12 @@ class Task(ABC):
         stiffness, damping: gains per row, (m,) [1/s^2] and [1/s].
         space: ReferenceSpace of target positions.
         error_unit: unit of TaskRows.error on motion rows.
+        force: turns rows of a task in contact into force rows; None without force control.
     """
 
     space: ReferenceSpace = ReferenceSpace.VECTOR
     error_unit: str = "m"
+    force: ForceControl | None = None
 
     def __init__(
         self,
@@ -81,6 +86,18 @@ class Task(ABC):
         sizes = {ReferenceSpace.ORIENTATION: 4, ReferenceSpace.POSE: 7}
         return sizes.get(self.space, self.size)
 
+    @property
+    def force_row_mask(self) -> NDArray[np.bool_]:
+        """(m,) which rows come under force control once in contact."""
+        return np.zeros(self.size, dtype=bool)
+
+    @property
+    def force_row_mask(self) -> NDArray[np.bool_]:
+        """(m,) rows that follow a force while TaskRows.force_rows > 0."""
+        if self.force is None:
+            return np.zeros(self.size, dtype=np.bool_)
+        return self.force.force_rows
+
     def rows(
         self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows | None = None
     ) -> TaskRows:
@@ -98,7 +115,10 @@ class Task(ABC):
         """
         if out is None:
             out = self.empty_rows(model.nv)
-        force_rows = self.write_rows(model, state, target, out)
+        self.write_rows(model, target, out)
+        force_rows = 0
+        if self.force is not None:
+            force_rows = self.force.apply(model, state, target, out)
         if force_rows != out.force_rows:
             return TaskRows(out.jacobian, out.target, out.error, force_rows)
         return out
@@ -109,10 +129,8 @@ class Task(ABC):
         """Build from one entry of `tasks` in robot.yaml (`kind` is already read)."""
 
     @abstractmethod
-    def write_rows(
-        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows
-    ) -> int:
-        """Fill the arrays of `out`; return how many rows are under force control."""
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
+        """Fill the arrays of `out` with motion rows."""
 
     @abstractmethod
     def current(self, model: RobotModel) -> Array:
@@ -161,7 +179,9 @@ class Task(ABC):
                 )
 
     def reset(self) -> None:
-        """Forget what was accumulated over time; a task without memory has nothing to do."""
+        """Forget what was accumulated over time: force control starts afresh."""
+        if self.force is not None:
+            self.force.reset()
 
     def empty_rows(self, n: int) -> TaskRows:
         """Zero rows of this task for n velocity coordinates, to be passed as `out`."""

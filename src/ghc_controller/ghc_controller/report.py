@@ -1,0 +1,59 @@
+"""What a control step did, as values: the answer, and the account of it for people."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from ghc_controller.constraints import Slack
+from ghc_controller.formulations import Solution
+from ghc_controller.hierarchy import TransitionEvent
+from ghc_controller.types import Array, TaskTarget
+
+
+class StepStatus(Enum):
+    """How the torque came about; the numbers of ghc_msgs/ControllerState."""
+
+    SOLVED = 0
+    RELAXED = 1
+    FALLBACK = 2
+
+
+@dataclass(frozen=True, slots=True)
+class StepResult:
+    """Answer to one robot state."""
+
+    time: float  # [s] of the state
+    torque: Array  # (a,) [Nm]
+    status: StepStatus
+    solution: Solution
+    gate_hits: tuple[str, ...]
+    events: tuple[TransitionEvent, ...]  # what happened to transitions since the last step
+    time_terms: float  # [s] model terms, task rows and bounds
+    time_solve: float  # [s] projectors, targets and QP
+    time_step: float  # [s] whole step
+
+
+@dataclass(frozen=True, slots=True)
+class TaskReport:
+    """One task as the controller sees it."""
+
+    name: str
+    error: Array  # (m,)
+    motion_error: float  # norm of the motion rows
+    force_error: float  # [N] norm of the rows under force control
+    target: TaskTarget
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """Account of the last step, made on demand: names and copies that outlive the tick."""
+
+    result: StepResult
+    tasks: tuple[TaskReport, ...]
+    alpha: Array  # (k, k)
+    sigma_min: float  # [-] of [P_1 .. P_k] at the target matrix
+    active_constraints: tuple[str, ...]
+    slack: tuple[Slack, ...]
+    fallback_reason: str
+    counts: dict[str, int]
