@@ -1,7 +1,7 @@
 """Constraints: boxes on joint accelerations and torques, one file a kind; see `constraint`."""
 
 from ghc_controller.constraints.box import Box, Slack
-from ghc_controller.constraints.constraint import Constraint, Softness, Space
+from ghc_controller.constraints.constraint import Constraint, Softness, Space, Tick
 from ghc_controller.constraints.constraint_set import Boxes, ConstraintSet
 from ghc_controller.constraints.joint_position import JointPositionLimit
 from ghc_controller.constraints.joint_velocity import JointVelocityLimit
@@ -18,6 +18,7 @@ __all__ = [
     "Slack",
     "Softness",
     "Space",
+    "Tick",
     "TorqueCenter",
     "TorqueLimit",
     "TorqueRateLimit",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, SupportsIndex
 
 import numba
 import numpy as np
@@ -36,13 +36,13 @@ class Box:
     names: tuple[str, ...]  # constraints, softest last
     entries: tuple[str, ...]  # (r,) names of the entries
 
-    def lower_name(self, entry: int) -> str:
+    def lower_name(self, entry: SupportsIndex) -> str:
         """Name of the row behind the lower bound of an entry, "" without one."""
-        return self._name(int(self.lower_source[entry]), entry)
+        return self._name(int(self.lower_source[entry]), entry.__index__())
 
-    def upper_name(self, entry: int) -> str:
+    def upper_name(self, entry: SupportsIndex) -> str:
         """Name of the row behind the upper bound of an entry, "" without one."""
-        return self._name(int(self.upper_source[entry]), entry)
+        return self._name(int(self.upper_source[entry]), entry.__index__())
 
     def active(self, values: Array, tolerance: float = 1e-6) -> tuple[str, ...]:
         """Names of the rows at (or beyond) their bound at `values` (r,), within `tolerance`."""
@@ -50,8 +50,8 @@ class Box:
         at_upper = values >= self.bounds.upper - tolerance
         if not (at_lower.any() or at_upper.any()):
             return ()
-        names = [self.lower_name(int(entry)) for entry in np.flatnonzero(at_lower)]
-        names += [self.upper_name(int(entry)) for entry in np.flatnonzero(at_upper)]
+        names = [self.lower_name(entry) for entry in np.flatnonzero(at_lower)]
+        names += [self.upper_name(entry) for entry in np.flatnonzero(at_upper)]
         return tuple(dict.fromkeys(names))
 
     def _name(self, source: int, entry: int) -> str:

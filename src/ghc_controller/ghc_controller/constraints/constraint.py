@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from enum import Enum, IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +28,16 @@ class Softness(IntEnum):
     SOFT = 2  # position and velocity limits
 
 
+class Tick(NamedTuple):
+    """What a constraint may depend on: one state, after `model.update`."""
+
+    model: RobotModel  # updated with `state`
+    dynamics: Dynamics  # result of that update
+    state: RobotState
+    previous_torque: Array | None  # (a,) [Nm] applied over the last period; None at the start
+    dt: float  # [s] control period
+
+
 class Constraint(ABC):
     """Lower and upper bound per entry, from the state of the last `model.update`.
 
@@ -46,20 +57,11 @@ class Constraint(ABC):
         self.name = name
 
     @abstractmethod
-    def write(
-        self,
-        model: RobotModel,
-        dynamics: Dynamics,
-        state: RobotState,
-        previous_torque: Array | None,
-        dt: float,
-        lower: Array,
-        upper: Array,
-    ) -> None:
+    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the bounds into `lower` and `upper`, (n,) or (a,) by `space`.
 
         Both hold -inf and +inf at first and the values of the previous tick later; entries that
-        this constraint never writes stay infinite. See `bounds` for the other arguments.
+        this constraint never writes stay infinite.
         """
 
     def bounds(
@@ -70,18 +72,10 @@ class Constraint(ABC):
         previous_torque: Array | None,
         dt: float,
     ) -> Bounds:
-        """Bounds of this constraint alone, in fresh arrays.
-
-        Args:
-            model: updated with `state`.
-            dynamics: result of that update.
-            state: the same state.
-            previous_torque: (a,) [Nm] applied over the last period; None before the first one.
-            dt: [s] control period.
-        """
+        """Bounds of this constraint alone, in fresh arrays; arguments as in Tick."""
         size = model.nv if self.space is Space.ACCELERATION else model.na
         lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
-        self.write(model, dynamics, state, previous_torque, dt, lower, upper)
+        self.write(Tick(model, dynamics, state, previous_torque, dt), lower, upper)
         return Bounds(lower, upper)
 
 

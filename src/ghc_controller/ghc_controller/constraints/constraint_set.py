@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ghc_controller.constraints.box import Box, Slack, merge_boxes
-from ghc_controller.constraints.constraint import Constraint, Softness, Space
+from ghc_controller.constraints.constraint import Constraint, Softness, Space, Tick
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
@@ -52,9 +52,10 @@ class ConstraintSet:
         previous_torque: Array | None,
         dt: float,
     ) -> Boxes:
-        """Merged boxes at the state of the last `model.update`; arguments as in Constraint."""
-        self._acceleration.update(model, dynamics, state, previous_torque, dt)
-        self._torque.update(model, dynamics, state, previous_torque, dt)
+        """Merged boxes at the state of the last `model.update`; arguments as in Tick."""
+        tick = Tick(model, dynamics, state, previous_torque, dt)
+        self._acceleration.update(tick)
+        self._torque.update(tick)
         return self.boxes
 
 
@@ -80,16 +81,9 @@ class _Merge:
             entries,
         )
 
-    def update(
-        self,
-        model: RobotModel,
-        dynamics: Dynamics,
-        state: RobotState,
-        previous_torque: Array | None,
-        dt: float,
-    ) -> None:
+    def update(self, tick: Tick) -> None:
         for constraint, lower, upper in self._rows:
-            constraint.write(model, dynamics, state, previous_torque, dt, lower, upper)
+            constraint.write(tick, lower, upper)
         gave_way = merge_boxes(
             self._lowers,
             self._uppers,

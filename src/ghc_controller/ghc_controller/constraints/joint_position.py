@@ -10,10 +10,10 @@ from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
     Space,
+    Tick,
     positive_per_joint,
 )
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.types import Array, Dynamics, RobotState
+from ghc_controller.types import Array
 
 
 class JointPositionLimit(Constraint):
@@ -49,19 +49,17 @@ class JointPositionLimit(Constraint):
             brake_acceleration, joints, f"{name}, brake acceleration"
         )
 
-    def write(
-        self,
-        model: RobotModel,
-        dynamics: Dynamics,
-        state: RobotState,
-        previous_torque: Array | None,
-        dt: float,
-        lower: Array,
-        upper: Array,
-    ) -> None:
+    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the acceleration box of this state."""
         _position_box(
-            model.q, model.v, self.lower, self.upper, self.brake_acceleration, dt, lower, upper
+            tick.model.q,
+            tick.model.v,
+            self.lower,
+            self.upper,
+            self.brake_acceleration,
+            tick.dt,
+            lower,
+            upper,
         )
 
 

@@ -8,10 +8,10 @@ from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
     Space,
+    Tick,
     positive_per_joint,
 )
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.types import Array, Dynamics, RobotState
+from ghc_controller.types import Array
 
 
 class JointVelocityLimit(Constraint):
@@ -37,18 +37,9 @@ class JointVelocityLimit(Constraint):
         self.limit = positive_per_joint(limit, joints, name)
         self.horizon = float(positive_per_joint(horizon, 1, f"{name}, horizon")[0])
 
-    def write(
-        self,
-        model: RobotModel,
-        dynamics: Dynamics,
-        state: RobotState,
-        previous_torque: Array | None,
-        dt: float,
-        lower: Array,
-        upper: Array,
-    ) -> None:
+    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the acceleration box of this state."""
-        _velocity_box(model.v, self.limit, max(self.horizon, dt), lower, upper)
+        _velocity_box(tick.model.v, self.limit, max(self.horizon, tick.dt), lower, upper)
 
 
 @numba.njit(cache=True)

@@ -11,10 +11,10 @@ from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
     Space,
+    Tick,
     positive_per_joint,
 )
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.types import Array, Dynamics, RobotState
+from ghc_controller.types import Array
 
 
 class TorqueCenter(Enum):
@@ -43,18 +43,9 @@ class TorqueLimit(Constraint):
         self.around = around
         self._zero = np.zeros(joints)
 
-    def write(
-        self,
-        model: RobotModel,
-        dynamics: Dynamics,
-        state: RobotState,
-        previous_torque: Array | None,
-        dt: float,
-        lower: Array,
-        upper: Array,
-    ) -> None:
+    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the torque box of this state."""
-        center = model.gravity() if self.around is TorqueCenter.GRAVITY else self._zero
+        center = tick.model.gravity() if self.around is TorqueCenter.GRAVITY else self._zero
         box_around(center, self.limit, lower, upper)
 
 

@@ -8,11 +8,11 @@ from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
     Space,
+    Tick,
     positive_per_joint,
 )
 from ghc_controller.constraints.torque_limit import box_around
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.types import Array, Dynamics, RobotState
+from ghc_controller.types import Array
 
 
 class TorqueRateLimit(Constraint):
@@ -32,21 +32,12 @@ class TorqueRateLimit(Constraint):
         self._step = np.zeros(joints)  # [Nm] rate dt of the period used last
         self._dt = 0.0
 
-    def write(
-        self,
-        model: RobotModel,
-        dynamics: Dynamics,
-        state: RobotState,
-        previous_torque: Array | None,
-        dt: float,
-        lower: Array,
-        upper: Array,
-    ) -> None:
+    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the torque box around `previous_torque`."""
-        if previous_torque is None:
+        if tick.previous_torque is None:
             lower.fill(-np.inf)
             upper.fill(np.inf)
             return
-        if dt != self._dt:
-            self._step, self._dt = self.rate * dt, dt
-        box_around(previous_torque, self._step, lower, upper)
+        if tick.dt != self._dt:
+            self._step, self._dt = self.rate * tick.dt, tick.dt
+        box_around(tick.previous_torque, self._step, lower, upper)
