@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from ghc_sim_bridge.metrics import (
     LimitCheck,
     jerk_integral,

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_sim_bridge.references import Lemniscate
 from ghc_sim_bridge.run_plan import RunOptions, make_plan, parse_parameter
@@ -128,7 +129,7 @@ def test_options_out_of_range_are_refused(
 def test_an_unknown_scenario_or_variant_names_those_that_exist() -> None:
     with pytest.raises(UnknownName, match="priority_switching"):
         load_scenario("no_such_scenario")
-    with pytest.raises(UnknownName, match="alpha_12_0.2"):
+    with pytest.raises(UnknownName, match=r"alpha_12_0\.2"):
         load_scenario("nonstrict", "alpha_12_0.3")
 
 

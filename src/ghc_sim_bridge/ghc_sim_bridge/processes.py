@@ -12,8 +12,10 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Self
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+
 from ghc_controller.errors import GhcError, UnknownName
 
 _TAIL_LINES = 15
@@ -97,7 +99,7 @@ class NodeProcesses:
         self._environment = environment
         self._nodes: dict[str, NodeProcess] = {}
 
-    def __enter__(self) -> NodeProcesses:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(

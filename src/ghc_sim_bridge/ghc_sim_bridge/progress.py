@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from types import TracebackType
+from typing import Self
 
 from tqdm import tqdm
 
@@ -19,12 +20,13 @@ class Progress:
         self._title = title
         self._began = time.monotonic()
         self._shown = ""
-        self._bar = None
+        self._duration = duration
+        self._bar: tqdm | None = None
         if sys.stderr.isatty():
             self._bar = tqdm(total=duration, bar_format=_BAR, leave=False)
             self._bar.set_description_str(title)
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -40,7 +42,7 @@ class Progress:
         """Show the simulated time [s] and the hierarchy in force."""
         factor = simulated / max(time.monotonic() - self._began, 1e-9)
         if self._bar is not None:
-            self._bar.n = min(simulated, self._bar.total)
+            self._bar.n = min(simulated, self._duration)
             self._bar.set_postfix_str(f"{factor:.2f} x real time, {hierarchy}", refresh=False)
             self._bar.refresh()
         elif hierarchy != self._shown:

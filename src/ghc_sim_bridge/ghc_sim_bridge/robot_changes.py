@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from ghc_controller.errors import ConfigurationError, UnknownName
 
+from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_sim_bridge.yaml_fields import read_yaml
 
 

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from ghc_controller.errors import InvalidValue, UnknownName
 
+from ghc_controller.errors import InvalidValue, UnknownName
+from ghc_controller.formulations import FORMULATIONS
 from ghc_sim_bridge.scenario import NODES, Phase, Scenario
 
 MODES = ("lockstep", "realtime")
@@ -28,7 +29,6 @@ class RunOptions:
     view: bool = False
     mode: str = "lockstep"
     parameters: tuple[tuple[str, str, Any], ...] = ()  # (node, parameter, value)
-    tag: str = ""  # appended to the name of the variant's folder
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,10 +89,13 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
     """The run of a scenario under options; `output` is the root of all results.
 
     An `hqp` run switches at once (a cascade of strict levels has nothing in between) unless a
-    transition is given. Raises InvalidValue for options out of range.
+    transition is given. Raises InvalidValue (option out of range) or UnknownName (formulation,
+    mode).
     """
     _check_options(options)
     formulation = options.formulation or scenario.formulation
+    if formulation not in FORMULATIONS:
+        raise UnknownName("formulation", formulation, FORMULATIONS)
     transition = scenario.transition if formulation != "hqp" else 0.0
     if options.transition is not None:
         transition = options.transition
@@ -159,7 +162,6 @@ def _place(
         parts.append(options.mode)
     for node, name, value in options.parameters:
         parts.append(f"{node}.{name}_{value}".replace("/", "_").replace(" ", ""))
-    parts.append(options.tag)
     folder = "-".join(part for part in parts if part)
     first = scenario.variants[0] if scenario.variants else ""
     standard = "-".join(part for part in (first, scenario.formulation) if part)

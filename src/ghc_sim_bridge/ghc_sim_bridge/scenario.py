@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from ghc_controller.errors import UnknownName
-
 from ghc_sim_bridge.references import Reference, read_reference
 from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 

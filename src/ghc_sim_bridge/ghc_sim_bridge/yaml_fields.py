@@ -1,4 +1,4 @@
-"""Reading YAML mappings field by field; every error names file, field, what was given, what exists.
+"""YAML mappings read field by field; errors name file, field, what was given and what exists.
 
 A `Fields` wraps one mapping. Each reader takes a field's name, checks its type and marks it as
 read; `close()` then refuses whatever was not read, so that a misspelt field is never ignored.
@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+
 from ghc_controller.errors import ConfigurationError
 
 _MISSING = object()

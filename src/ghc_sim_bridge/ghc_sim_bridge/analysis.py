@@ -1,0 +1,127 @@
+"""From what a run left to its figures: one value that summary, plots and tables share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_controller.robot_config import RobotConfig, load_robot_config
+from ghc_sim_bridge.full_rate_log import FullRateLog
+from ghc_sim_bridge.metrics import (
+    LimitCheck,
+    PhasedFigure,
+    jerk_integral,
+    limit_violations,
+    peak_torque_jump,
+    peak_torque_rate,
+)
+from ghc_sim_bridge.run_plan import RunPlan
+from ghc_sim_bridge.task_errors import RunHistory, gravity_torques, recompute_history
+
+Array = NDArray[np.float64]
+
+_SAMPLE_PERIOD = 0.01  # [s] between two rows at which the tasks are evaluated
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Limits in force during a run, in the order of the log's joints."""
+
+    position_lower: Array  # (n,) [rad]
+    position_upper: Array  # (n,) [rad]
+    velocity: Array  # (n,) [rad/s]
+    torque: Array  # (n,) [Nm] of the motors
+    torque_bound: Array | None  # (n,) [Nm] a tighter bound of the scenario
+    bound_around_gravity: bool  # whether that bound holds for torque - gravity
+    torque_rate: float  # [Nm/s]; 0 = off
+
+
+@dataclass(frozen=True, slots=True)
+class Analysis:
+    """A run and everything computed from its log."""
+
+    plan: RunPlan
+    log: FullRateLog
+    robot: RobotConfig
+    limits: Limits
+    history: RunHistory  # every 10 ms and at the end of each phase
+    phase_errors: tuple[Mapping[str, float], ...]  # task -> error at the end of the phase
+    torque_rate: PhasedFigure  # [Nm/s]
+    torque_jump: PhasedFigure  # [Nm]
+    start_up_jump: float  # [Nm] from the bridge's hold to the first command
+    jerk: PhasedFigure  # [rad/s^2]
+    violations: Mapping[str, float]  # limit -> largest relative excess [-]
+
+
+def analyse(plan: RunPlan, log_file: Path, robot_file: Path) -> Analysis:
+    """Read log and robot of a run and compute its figures."""
+    log = FullRateLog.load(log_file)
+    robot = load_robot_config(robot_file)
+    spans = [(phase.start, phase.end) for phase in plan.phases]
+    ends = np.array([_last_row(log, end) for _, end in spans])
+    step = max(1, round(_SAMPLE_PERIOD / log.control_dt))
+    rows = np.unique(np.concatenate([np.arange(0, len(log.time), step), ends]))
+    history = recompute_history(log, robot, plan.scenario.references, rows)
+    at_end = [int(np.searchsorted(rows, end)) for end in ends]
+    limits = _limits(plan, log, robot)
+    return Analysis(
+        plan=plan,
+        log=log,
+        robot=robot,
+        limits=limits,
+        history=history,
+        phase_errors=tuple(
+            {task.name: float(task.error[k]) for task in history.tasks} for k in at_end
+        ),
+        torque_rate=peak_torque_rate(log.time, log.torque, log.control_dt, spans),
+        torque_jump=peak_torque_jump(log.time, log.torque, spans),
+        start_up_jump=float(np.abs(log.torque[0] - history.gravity[0]).max()),
+        jerk=jerk_integral(log.time, log.acceleration, spans),
+        violations=limit_violations(_checks(log, limits, robot)),
+    )
+
+
+def _last_row(log: FullRateLog, end: float) -> int:
+    return max(0, int(np.searchsorted(log.time, end - 1e-9)) - 1)
+
+
+def _limits(plan: RunPlan, log: FullRateLog, robot: RobotConfig) -> Limits:
+    order = [robot.model.joint_index(name) for name in log.joint_names]
+    read = robot.model.limits
+    controller = plan.parameters["controller"]
+    velocity = read.velocity[order]
+    if controller.get("velocity_limit", 0.0) > 0.0:
+        velocity = np.minimum(velocity, float(controller["velocity_limit"]))
+    bound = None
+    if controller.get("torque_bound", 0.0) > 0.0:
+        bound = np.full(len(order), float(controller["torque_bound"]))
+    return Limits(
+        position_lower=read.position_lower[order],
+        position_upper=read.position_upper[order],
+        velocity=velocity,
+        torque=read.torque[order],
+        torque_bound=bound,
+        bound_around_gravity=controller.get("torque_bound_around") == "gravity",
+        torque_rate=plan.torque_rate_limit,
+    )
+
+
+def _checks(log: FullRateLog, limits: Limits, robot: RobotConfig) -> list[LimitCheck]:
+    checks = [
+        LimitCheck("position", log.q, limits.position_lower, limits.position_upper),
+        LimitCheck("velocity", log.v, -limits.velocity, limits.velocity),
+        LimitCheck("torque", log.torque, -limits.torque, limits.torque),
+    ]
+    if limits.torque_bound is not None:
+        center = gravity_torques(log, robot) if limits.bound_around_gravity else 0.0
+        bound = limits.torque_bound
+        checks.append(LimitCheck("torque_bound", log.torque - center, -bound, bound))
+    if limits.torque_rate > 0.0:
+        rate = np.diff(log.torque, axis=0) / log.control_dt
+        bound = np.full(rate.shape[1], limits.torque_rate)
+        checks.append(LimitCheck("torque_rate", rate, -bound, bound))
+    return checks

@@ -1,0 +1,91 @@
+"""`experiment`: run a scenario with every node as a process of its own and write its results."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ghc_controller.errors import GhcError
+from ghc_sim_bridge.run_plan import MODES, RECORD_MODES, RunOptions, make_plan, parse_parameter
+from ghc_sim_bridge.scenario import load_scenario, scenario_names
+
+_INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; 0 = all went well, 1 = the run failed, 2 = wrong arguments or files."""
+    options = _parser().parse_args(arguments)
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        return _run(options)
+    except KeyboardInterrupt:
+        print("experiment: interrupted; all nodes were ended", file=sys.stderr)
+        return _INTERRUPTED
+
+
+def _run(options: argparse.Namespace) -> int:
+    try:
+        parameters = tuple(parse_parameter(text) for text in options.param)
+        first = load_scenario(options.scenario, options.variant)
+        names = (options.variant,) if options.variant else first.variants or ("",)
+        run_options = RunOptions(
+            formulation=options.formulation,
+            transition=options.transition,
+            control_dt=options.dt,
+            record=options.record,
+            view=options.view,
+            mode=options.mode,
+            parameters=parameters,
+        )
+        plans = [
+            make_plan(load_scenario(options.scenario, name), run_options, options.output)
+            for name in names
+        ]
+    except GhcError as error:
+        print(f"experiment: {error}", file=sys.stderr)
+        return 2
+    from ghc_sim_bridge.report import run_and_report, went_well  # late: a wrong name needs no ROS
+
+    failed = False
+    for plan in plans:
+        try:
+            failed |= not went_well(run_and_report(plan))
+        except GhcError as error:
+            print(f"experiment: {error}", file=sys.stderr)
+            failed = True
+    return int(failed)
+
+
+def _interrupt(_number: int, _frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="experiment",
+        description="Run a scenario over DDS, every node a process, and write its results.",
+        epilog=f"scenarios: {', '.join(scenario_names())}",
+    )
+    parser.add_argument("--scenario", required=True, metavar="NAME",
+                        help="name of a scenario of this package, or a .yaml file")
+    parser.add_argument("--variant", default="", help="only this variant of the scenario")
+    parser.add_argument("--formulation", help="how tasks and hierarchy become torques")
+    parser.add_argument("--transition", type=float, metavar="SECONDS",
+                        help="duration of every transition; hqp switches at once by default")
+    parser.add_argument("--dt", type=float, metavar="SECONDS", help="control period")
+    parser.add_argument("--record", default="decimated", choices=RECORD_MODES,
+                        help="fast topics at 100 Hz, or every message")
+    parser.add_argument("--view", action="store_true", help="show the run live in Rerun")
+    parser.add_argument("--mode", default=MODES[0], choices=MODES)
+    parser.add_argument("--param", action="append", default=[], metavar="NODE:NAME:=VALUE",
+                        help="a parameter of one node; may be repeated")
+    parser.add_argument("--output", type=Path, default=Path("results"), metavar="DIR",
+                        help="root of all results (default: results)")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,190 @@
+"""The experiment as a client on the public topics: references, transitions, pause, progress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from builtin_interfaces.msg import Duration, Time
+from ghc_msgs.msg import (
+    ControllerState,
+    PriorityMatrix,
+    PriorityTransition,
+    TaskReference,
+    TaskReferencePoint,
+    TransitionStatus,
+)
+from rclpy.context import Context
+from rclpy.duration import Duration as RclpyDuration
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool
+
+from ghc_controller.errors import GhcError
+from ghc_sim_bridge.controller_trace import ControllerTrace
+from ghc_sim_bridge.references import Reference, ReferencePoint
+from ghc_sim_bridge.scenario import PriorityTable
+
+_LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+_STREAM = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+_RELIABLE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+_LATCHED = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+
+
+class TransitionRejected(GhcError):
+    """The controller refused a scripted transition; the message holds its reason."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScriptedTransition:
+    """A transition with its simulated start."""
+
+    id: str
+    start: float  # [s]
+    duration: float  # [s]
+    hierarchy: str = ""
+    table: PriorityTable | None = None  # used in place of the string
+
+
+class ExperimentClient(Node):
+    """Publishes what is scripted and remembers what the controller says; decides nothing."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__("experiment", context=context)
+        self.trace = ControllerTrace()
+        self.statuses: dict[str, TransitionStatus] = {}  # id -> latest answer
+        self.accepted: set[str] = set()
+        self.hierarchy = ""
+        self.in_transition = False
+        self.matrix_received = False
+        self.state_time: float | None = None  # [s] latest joint state, while watched
+        self._states: Subscription | None = None
+        self._references = self.create_publisher(TaskReference, "ghc/task_reference", _RELIABLE)
+        self._transitions = self.create_publisher(
+            PriorityTransition, "ghc/priority_transition", _RELIABLE
+        )
+        self._pause = self.create_client(SetBool, "sim_bridge/pause")
+        self.create_subscription(
+            TransitionStatus, "ghc/transition_status", self._on_status, _RELIABLE
+        )
+        self.create_subscription(PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED)
+        self.create_subscription(
+            ControllerState, "ghc/controller_state", self._on_controller_state, _STREAM
+        )
+
+    def watch_states(self, watch: bool) -> None:
+        """Read the joint states or stop doing so: at 1 kHz reading them is not free."""
+        if watch and self._states is None:
+            self._states = self.create_subscription(
+                JointState, "joint_states", self._on_state, _LATEST
+            )
+        elif not watch and self._states is not None:
+            self.destroy_subscription(self._states)
+            self._states = None
+
+    @property
+    def listeners_ready(self) -> bool:
+        """Whether somebody reads the references and the transitions."""
+        publishers = (self._references, self._transitions)
+        return all(publisher.get_subscription_count() > 0 for publisher in publishers)
+
+    def publish_reference(self, reference: Reference, duration: float) -> None:
+        """Send the reference of one task for a run of `duration` [s], stamped with time zero."""
+        message = TaskReference()
+        message.task = reference.task
+        message.joints = list(reference.joints)
+        message.points = [_point(point) for point in reference.points_until(duration)]
+        self._references.publish(message)
+
+    def references_acknowledged(self, seconds: float) -> bool:
+        """Whether the controller's side has received all references within `seconds`."""
+        return self._references.wait_for_all_acked(RclpyDuration(seconds=seconds))
+
+    def publish_transition(self, transition: ScriptedTransition) -> None:
+        """Send one transition; the answer comes by `raise_if_rejected` and `accepted`."""
+        message = PriorityTransition()
+        message.header.stamp = to_stamp(transition.start)
+        message.id = transition.id
+        message.duration = transition.duration
+        if transition.table is None:
+            message.hierarchy = transition.hierarchy
+        else:
+            message.tasks = list(transition.table.tasks)
+            message.alpha = [entry for row in transition.table.alpha for entry in row]
+        self._transitions.publish(message)
+
+    def raise_if_rejected(self) -> None:
+        """Raise TransitionRejected with the controller's reason, if it refused one."""
+        for status in self.statuses.values():
+            if status.status == TransitionStatus.REJECTED:
+                raise TransitionRejected(
+                    f"transition '{status.id}' was rejected by the controller: {status.reason}"
+                )
+
+    @property
+    def pause_service_ready(self) -> bool:
+        """Whether the bridge offers its pause service."""
+        return self._pause.service_is_ready()
+
+    def resume(self) -> Future:
+        """Ask the bridge to let time run."""
+        return self._pause.call_async(SetBool.Request(data=False))
+
+    def _on_status(self, message: TransitionStatus) -> None:
+        self.statuses[message.id] = message
+        if message.status != TransitionStatus.REJECTED:
+            self.accepted.add(message.id)
+
+    def _on_matrix(self, message: PriorityMatrix) -> None:
+        self.matrix_received = True
+        self.hierarchy = message.hierarchy
+        self.in_transition = message.in_transition
+
+    def _on_state(self, message: JointState) -> None:
+        self.state_time = to_seconds(message.header.stamp)
+
+    def _on_controller_state(self, message: ControllerState) -> None:
+        trace = self.trace
+        time = to_seconds(message.header.stamp)
+        if trace.time and time <= trace.time[-1]:
+            return
+        trace.tasks = tuple(task.name for task in message.tasks)
+        trace.time.append(time)
+        trace.alpha.append(list(message.alpha))
+        trace.errors.append([task.error_norm for task in message.tasks])
+        trace.time_terms.append(message.time_terms)
+        trace.time_solve.append(message.time_solve)
+        trace.time_step.append(message.time_step)
+        for name, value in zip(message.slack_names, message.slack, strict=False):
+            trace.slack[name] = max(trace.slack.get(name, 0.0), abs(value))
+        if message.fallback_reason:
+            trace.fallback_reasons.add(message.fallback_reason)
+        trace.counts = {count.name: count.count for count in message.counts}
+
+
+def to_stamp(seconds: float) -> Time:
+    """Time message of simulated seconds, exact to a nanosecond."""
+    nanoseconds = round(seconds * 1e9)
+    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def to_seconds(stamp: Time) -> float:
+    """Simulated seconds of a time message."""
+    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
+
+
+def _point(point: ReferencePoint) -> TaskReferencePoint:
+    stamp = to_stamp(point.time)
+    return TaskReferencePoint(
+        time_from_start=Duration(sec=stamp.sec, nanosec=stamp.nanosec),
+        position=list(point.position),
+        velocity=list(point.velocity),
+        acceleration=list(point.acceleration),
+        wrench=list(point.wrench),
+    )

@@ -1,0 +1,77 @@
+"""The runs that `paper` makes: every experiment of the GHC paper, and the comparisons."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ghc_controller.errors import UnknownName
+from ghc_sim_bridge.run_plan import RunOptions, RunPlan, make_plan
+from ghc_sim_bridge.scenario import load_scenario
+
+_AT_ONCE = 0.005  # [s] the paper's fast transition
+_RATE_LIMIT = 1000.0  # [Nm/s] the default of controller and bridge
+
+
+@dataclass(frozen=True, slots=True)
+class PaperRun:
+    """One run under the name by which `--only` and the document know it."""
+
+    name: str
+    scenario: str
+    variant: str = ""
+    options: RunOptions = field(default_factory=RunOptions)
+
+    def plan(self, output: Path) -> RunPlan:
+        """The plan of this run below the root of all results."""
+        return make_plan(load_scenario(self.scenario, self.variant), self.options, output)
+
+
+def _switching(name: str, formulation: str, transition: float | None = None) -> PaperRun:
+    options = RunOptions(formulation=formulation, transition=transition)
+    return PaperRun(name, "priority_switching", options=options)
+
+
+PAPER_RUNS = (
+    _switching("balanced", "balanced"),
+    _switching("ghc", "ghc"),
+    _switching("ghc_full", "ghc_full"),
+    _switching("weighted", "weighted"),
+    _switching("hqp", "hqp"),
+    _switching("balanced_fast", "balanced", _AT_ONCE),
+    _switching("ghc_fast", "ghc", _AT_ONCE),
+    PaperRun(
+        "hqp_gated",
+        "priority_switching",
+        options=RunOptions(
+            formulation="hqp",
+            parameters=(
+                ("controller", "torque_rate_limit", _RATE_LIMIT),
+                ("sim_bridge", "torque_rate_limit", _RATE_LIMIT),
+            ),
+        ),
+    ),
+    PaperRun("insertion_removal", "insertion_removal"),
+    PaperRun("lemniscate", "lemniscate"),
+    PaperRun("contact_force", "contact_force"),
+    PaperRun("nonstrict_0.2", "nonstrict", "alpha_12_0.2"),
+    PaperRun("nonstrict_0.5", "nonstrict", "alpha_12_0.5"),
+    PaperRun("nonstrict_0.8", "nonstrict", "alpha_12_0.8"),
+)
+
+
+def choose_runs(names: Sequence[str]) -> tuple[PaperRun, ...]:
+    """Runs by name or by scenario, all when none is given. Raises UnknownName."""
+    if not names:
+        return PAPER_RUNS
+    chosen = []
+    for name in names:
+        found = [run for run in PAPER_RUNS if name in (run.name, run.scenario)]
+        if not found:
+            known = dict.fromkeys(
+                key for run in PAPER_RUNS for key in (run.name, run.scenario)
+            )
+            raise UnknownName("paper run", name, known)
+        chosen += [run for run in found if run not in chosen]
+    return tuple(chosen)

@@ -1,0 +1,57 @@
+"""A run and what is written and printed about it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from ghc_sim_bridge.analysis import analyse
+from ghc_sim_bridge.figure_style import save_png
+from ghc_sim_bridge.figures import run_figures
+from ghc_sim_bridge.phase_table import outcome_lines, phase_table
+from ghc_sim_bridge.run_experiment import run_experiment
+from ghc_sim_bridge.run_plan import RunPlan
+from ghc_sim_bridge.summary import make_summary, write_json
+
+SUMMARY = "summary.json"
+
+
+def run_and_report(plan: RunPlan) -> dict[str, Any]:
+    """Run a plan, write summary and figures, print the table of its phases.
+
+    Returns the summary. Raises GhcError when the run itself failed.
+    """
+    outcome = run_experiment(plan)
+    analysis = analyse(plan, outcome.log, outcome.robot)
+    summary = make_summary(analysis, outcome.trace, outcome.exit_codes, outcome.wall_seconds)
+    write_json(plan.folder / SUMMARY, summary)
+    for name, figure in run_figures(analysis, outcome.trace).items():
+        save_png(figure, plan.folder / f"{name}.png")
+    if plan.is_default:
+        link_default(plan.folder)
+    print(f"\n{plan.scenario.title}: {plan.scenario.name}, {plan.folder.name}")
+    print(phase_table(summary))
+    print(outcome_lines(summary))
+    print(f"results: {plan.folder}", flush=True)
+    return summary
+
+
+def link_default(folder: Path) -> None:
+    """Make the files of the default variant readable one folder higher."""
+    scenario = folder.parent
+    for entry in scenario.iterdir():
+        if entry.is_symlink():
+            entry.unlink()
+    for entry in folder.iterdir():
+        link = scenario / entry.name
+        if entry.is_file() and not link.exists():
+            try:
+                link.symlink_to(Path(folder.name) / entry.name)
+            except OSError:  # a file system without symbolic links
+                shutil.copy2(entry, link)
+
+
+def went_well(summary: dict[str, Any]) -> bool:
+    """Whether every node ended in order."""
+    return all(code == 0 for code in summary["nodes"].values())
