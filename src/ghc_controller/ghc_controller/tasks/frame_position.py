@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.config import Fields
 from ghc_controller.robot_model import RobotModel
@@ -84,12 +83,3 @@ class FramePositionTask(Task):
             out.target,
             out.error,
         )
-
-    @property
-    def force_row_mask(self) -> NDArray[np.bool_]:
-        """(m,) which rows come under force control once in contact."""
-        return super().force_row_mask if self.force is None else self.force.force_rows
-
-    def current(self, model: RobotModel) -> Array:
-        """Chosen coordinates of the origin now, (m,) [m]."""
-        return model.frame_position(self._frame_id)[self._axes]

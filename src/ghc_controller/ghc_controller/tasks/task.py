@@ -8,7 +8,6 @@ from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
-from numpy.typing import NDArray
 
 from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue, WrongSize
@@ -85,11 +84,6 @@ class Task(ABC):
         """Entries of TaskTarget.position: m, 4 for an orientation, 7 for a pose."""
         sizes = {ReferenceSpace.ORIENTATION: 4, ReferenceSpace.POSE: 7}
         return sizes.get(self.space, self.size)
-
-    @property
-    def force_row_mask(self) -> NDArray[np.bool_]:
-        """(m,) which rows come under force control once in contact."""
-        return np.zeros(self.size, dtype=bool)
 
     @property
     def force_row_mask(self) -> NDArray[np.bool_]:
