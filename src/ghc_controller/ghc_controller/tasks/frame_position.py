@@ -83,3 +83,7 @@ class FramePositionTask(Task):
             out.target,
             out.error,
         )
+
+    def current(self, model: RobotModel) -> Array:
+        """Chosen coordinates of the origin now, (m,) [m]."""
+        return model.frame_position(self._frame_id)[self._axes]
