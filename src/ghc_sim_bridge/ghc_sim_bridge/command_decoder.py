@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from ghc_controller.errors import GhcError
 from numpy.typing import NDArray
 
+from ghc_controller.errors import GhcError
 from ghc_sim_bridge.state_cdr import STAMP_END, JointStateLayout, read_stamp
 
 Array = NDArray[np.float64]

@@ -8,9 +8,9 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from ghc_controller.types import RobotState
 from numpy.typing import NDArray
 
+from ghc_controller.types import RobotState
 from ghc_sim_bridge.full_rate_log import FullRateLogBuffer, Source
 from ghc_sim_bridge.hold import hold_torque
 from ghc_sim_bridge.simulator import Simulator

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ghc_controller.errors import ConfigurationError
 from numpy.typing import NDArray
+
+from ghc_controller.errors import ConfigurationError
 
 Array = NDArray[np.float64]
 

@@ -43,20 +43,19 @@ class LockstepMode:
     def _waiting(self) -> bool:
         return not self.paused and self._cycle.time_ns < self._stop_ns
 
-    def wants(self, stamp_ns: int) -> str:
-        """Only the answer to the awaited state; an answer to a repeat comes twice."""
+    def command(self, stamp_ns: int, torque: Array) -> str:
+        """Simulate the period and publish the next state, if this answers the awaited one."""
         if not self._waiting:
             return "not_running"
-        if stamp_ns == self._lockstep.awaited_ns:
-            return ""
-        return "answered_before" if stamp_ns < self._lockstep.awaited_ns else "stamp_of_no_state"
-
-    def command(self, stamp_ns: int, torque: Array) -> None:
-        """Simulate the period and publish the next state."""
+        if stamp_ns < self._lockstep.awaited_ns:
+            return "answered_before"  # a repeated state is answered twice
+        if stamp_ns > self._lockstep.awaited_ns:
+            return "stamp_of_no_state"
         gated = self._cycle.advance(torque)
         self._publish()
         self._lockstep.sent(self._cycle.time_ns, time.monotonic())
         self._applied(gated)
+        return ""
 
     def tick(self) -> None:
         """Repeat an unanswered state.

@@ -1,89 +1,16 @@
-"""Parameters of the nodes of this package: frozen dataclasses, read and checked in one place."""
+"""Parameters of the nodes of this package."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, fields
-from typing import Any, TypeVar
+from dataclasses import dataclass
 
-from ghc_controller.errors import ConfigurationError, UnknownName
-from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.node import Node
-
-P = TypeVar("P")
-Check = Callable[[Any], str]  # value -> what is wrong with it, "" when nothing is
-
-# Declared by rclpy itself in every node.
-_OF_RCLPY = frozenset({"use_sim_time", "start_type_description_service"})
-_TYPE_NAMES = {str: "a text", bool: "true or false", float: "a number", int: "an integer"}
-
-
-def parameter(default: Any, description: str, check: Check = lambda value: "") -> Any:
-    """A dataclass field with what the ROS parameter of that name needs."""
-    return field(default=default, metadata={"description": description, "check": check})
-
-
-def positive(value: float) -> str:
-    """Check: a finite number above zero."""
-    return "" if math.isfinite(value) and value > 0.0 else "must be a finite number above 0"
-
-
-def not_negative(value: float) -> str:
-    """Check: a finite number, zero included."""
-    return "" if math.isfinite(value) and value >= 0.0 else "must be a finite number, 0 or more"
-
-
-def given(value: str) -> str:
-    """Check: a text that is not empty."""
-    return "" if value else "is needed"
-
-
-def one_of(*choices: str) -> Check:
-    """Check: one of the texts."""
-    return lambda value: "" if value in choices else "must be one of: " + ", ".join(choices)
-
-
-def read_parameters(node: Node, kind: type[P]) -> P:
-    """Declare the fields of the dataclass `kind` on `node` and return their checked values.
-
-    The node must be made with `automatically_declare_parameters_from_overrides=True`: only so
-    can a misspelt name be told from a right one.
-
-    Raises:
-        ConfigurationError: a value has another type or is outside its domain.
-        UnknownName: a parameter was given that the node does not have.
-    """
-    # `from __future__ import annotations` keeps types as text; defaults carry the same knowledge.
-    known = {entry.name: entry for entry in fields(kind)}  # type: ignore[arg-type]
-    for name in node.get_parameters_by_prefix(""):
-        if name not in known and name not in _OF_RCLPY and not name.startswith("qos_overrides"):
-            raise UnknownName("parameter", name, known)
-    values = {}
-    for name, entry in known.items():
-        if not node.has_parameter(name):
-            descriptor = ParameterDescriptor(
-                description=entry.metadata["description"], read_only=True
-            )
-            node.declare_parameter(name, entry.default, descriptor)
-        values[name] = _checked(name, node.get_parameter(name).value, entry.default, entry)
-    return kind(**values)
-
-
-def _checked(name: str, value: Any, default: Any, entry: Any) -> Any:
-    if isinstance(default, float) and type(value) is int:
-        value = float(value)  # `-p stop_time:=2` means 2.0
-    if type(value) is not type(default):
-        expected = _TYPE_NAMES[type(default)]
-        raise ConfigurationError(f"parameter '{name}': {value!r} given, {expected} expected")
-    wrong = entry.metadata["check"](value)
-    if wrong:
-        raise ConfigurationError(f"parameter '{name}': {value!r} given, {wrong}")
-    return value
-
-
-EXECUTOR = parameter(
-    "events", "events (fast) or single (rclpy's default executor)", one_of("events", "single")
+from ghc_controller.node_parameters import (
+    EXECUTOR,
+    given,
+    not_negative,
+    one_of,
+    parameter,
+    positive,
 )
 
 
@@ -107,3 +34,20 @@ class BridgeParameters:
     )
     executor: str = EXECUTOR
     publish_contacts: bool = parameter(True, "publish contacts/<name>")
+    lossless: bool = parameter(
+        False, "publish so that a reliable reader gets every message: slow readers slow the run"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class RecorderParameters:
+    """Parameters of recorder."""
+
+    output: str = parameter("", "path of the MCAP file to be written", given)
+    record_mode: str = parameter(
+        "decimated",
+        "decimated (fast topics at fast_rate) or full (every message)",
+        one_of("decimated", "full"),
+    )
+    fast_rate: float = parameter(100.0, "[Hz] of simulated time, for fast topics", positive)
+    executor: str = EXECUTOR

@@ -44,14 +44,13 @@ class RealtimeMode:
         """Whether the robot is held, and periods that the machine was too late for."""
         return {"holding": self.watchdog.holding, "dropped_periods": self._pacer.overruns}
 
-    def wants(self, stamp_ns: int) -> str:
-        """A command of its own for a recent state."""
-        return self.watchdog.refuses(stamp_ns, self._cycle.time_ns)
-
-    def command(self, stamp_ns: int, torque: Array) -> None:
-        """Keep the command for the periods to come."""
-        self.watchdog.accept(stamp_ns)
-        self._torque = torque
+    def command(self, stamp_ns: int, torque: Array) -> str:
+        """Keep the command for the periods to come, if it answers a recent state."""
+        refused = self.watchdog.refuses(stamp_ns, self._cycle.time_ns)
+        if not refused:
+            self.watchdog.accept(stamp_ns)
+            self._torque = torque
+        return refused
 
     def tick(self) -> None:
         """Simulate the periods that the wall clock asks for."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 CONTROL_PUBLISHER_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE
 )
+# With every message kept until each reliable reader has it, publishing waits for a slow recorder.
+LOSSLESS_PUBLISHER_QOS = QoSProfile(
+    history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE
+)
 CONTROL_SUBSCRIBER_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT
 )
@@ -31,6 +35,27 @@ CLOCK_QOS = QoSProfile(
     reliability=ReliabilityPolicy.BEST_EFFORT,
     durability=DurabilityPolicy.VOLATILE,
 )
+
+
+# Deep enough for whatever a node says at once; slow topics hold few messages anyway.
+RECORDING_DEPTH = 1000  # [-]
+
+
+def recording_qos(offered: Sequence[QoSProfile], lossless: bool) -> QoSProfile:
+    """Quality of service that matches every one of the `offered` ones.
+
+    Latched messages are asked for only where all publishers keep them; reliability likewise, and
+    only if `lossless`: acknowledging each message of a fast topic costs its publisher time.
+    """
+    reliable = all(o.reliability == ReliabilityPolicy.RELIABLE for o in offered)
+    latched = all(o.durability == DurabilityPolicy.TRANSIENT_LOCAL for o in offered)
+    best_effort = not (lossless and reliable)
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST if best_effort else HistoryPolicy.KEEP_ALL,
+        depth=RECORDING_DEPTH,
+        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
 
 
 def time_from_nanoseconds(stamp_ns: int) -> Time:

@@ -20,11 +20,11 @@ class RunMode(Protocol):
     paused: bool
     tick_period: float  # [s] wall
 
-    def wants(self, stamp_ns: int) -> str:
-        """What is wrong with a command of this stamp: "" = wanted, otherwise a field to count."""
+    def command(self, stamp_ns: int, torque: Array) -> str:
+        """Use a checked command (n,) [Nm] that answers the state of `stamp_ns` [ns].
 
-    def command(self, stamp_ns: int, torque: Array) -> None:
-        """A checked command (n,) [Nm] that answers the state of `stamp_ns`."""
+        Returns the reason why it was not wanted, a word to count by, or "" when it was used.
+        """
 
     def tick(self) -> None:
         """Time passed: repeat, pace, hold, or raise PartnerMissing."""

@@ -26,22 +26,24 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
+from ghc_controller.node_parameters import read_parameters
+from ghc_controller.rejections import Rejections
+from ghc_controller.run_node import guarded, run_node
 from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected, stamp_of
 from ghc_sim_bridge.control_cycle import NANOSECONDS, ControlCycle
 from ghc_sim_bridge.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.lockstep_mode import LockstepMode
-from ghc_sim_bridge.parameters import BridgeParameters, read_parameters
+from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.realtime_mode import RealtimeMode
-from ghc_sim_bridge.rejections import Rejections
 from ghc_sim_bridge.ros_conversions import (
     CLOCK_QOS,
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
+    LOSSLESS_PUBLISHER_QOS,
     diagnostics_message,
     read_joint_state,
 )
 from ghc_sim_bridge.run_mode import RunMode
-from ghc_sim_bridge.run_node import guarded, run_node
 from ghc_sim_bridge.simulator import Simulator
 from ghc_sim_bridge.state_publisher import StatePublisher
 from ghc_sim_bridge.torque_gate import GatedTorque, TorqueGate
@@ -91,14 +93,13 @@ class SimBridge:
         self._mode.restart()
 
     def _make_publisher(self, contacts: Sequence[str]) -> StatePublisher:
-        node = self.node
+        node, lossless = self.node, self._parameters.lossless
+        qos = LOSSLESS_PUBLISHER_QOS if lossless else CONTROL_PUBLISHER_QOS
         return StatePublisher(
-            node.create_publisher(JointState, "joint_states", CONTROL_PUBLISHER_QOS).publish,
-            node.create_publisher(Clock, "/clock", CLOCK_QOS).publish,
+            node.create_publisher(JointState, "joint_states", qos).publish,
+            node.create_publisher(Clock, "/clock", qos if lossless else CLOCK_QOS).publish,
             {
-                name: node.create_publisher(
-                    WrenchStamped, f"contacts/{name}", CONTROL_PUBLISHER_QOS
-                ).publish
+                name: node.create_publisher(WrenchStamped, f"contacts/{name}", qos).publish
                 for name in contacts
             },
         )
@@ -138,13 +139,13 @@ class SimBridge:
             self._refusal = str(error)
             self._reject(error.field, self._refusal)
             return
-        unwanted = self._mode.wants(stamp_ns)
+        now_ns = self._cycle.time_ns
+        unwanted = self._mode.command(stamp_ns, torque)
         if unwanted:
-            given, now = stamp_ns / NANOSECONDS, self._cycle.time_ns / NANOSECONDS
+            given, now = stamp_ns / NANOSECONDS, now_ns / NANOSECONDS
             self._reject(unwanted, f"stamp {given:.6f} s given at t = {now:.6f} s ({unwanted})")
             return
         self._refusal = ""
-        self._mode.command(stamp_ns, torque)
         self._save_log_at_end()
 
     def _on_tick(self) -> None:

@@ -26,6 +26,7 @@ class TorqueGate:
     def __init__(self, torque_limit: Array, torque_rate_limit: float, control_dt: float) -> None:
         """Limits (n,) [Nm] (inf where there is none); rate [Nm/s], 0 = off; period [s]."""
         self.torque_limit = torque_limit
+        self._lower_limit = -torque_limit
         self.torque_step_limit = (
             torque_rate_limit * control_dt if torque_rate_limit > 0.0 else np.inf
         )  # [Nm] per control period
@@ -36,9 +37,11 @@ class TorqueGate:
         The rate is clipped first: where both cannot hold, the torque limit wins.
         """
         step = self.torque_step_limit
-        within_rate = np.minimum(np.maximum(torque, previous - step), previous + step)
-        gated = np.minimum(np.maximum(within_rate, -self.torque_limit), self.torque_limit)
-        if np.abs(gated - torque).max(initial=0.0) <= COUNTED_EXCESS:
+        gated = torque
+        if step < np.inf:
+            gated = np.minimum(np.maximum(gated, previous - step), previous + step)
+        gated = np.minimum(np.maximum(gated, self._lower_limit), self.torque_limit)
+        if (gated == torque).all():
             return GatedTorque(gated, False, False)
         return GatedTorque(
             gated,

@@ -1,0 +1,58 @@
+"""The definition of a ROS message with all that it contains, as MCAP's `ros2msg` wants it."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+
+from ghc_controller.errors import ConfigurationError
+
+_SEPARATOR = "=" * 80
+_INTEGERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))
+_PRIMITIVES = _INTEGERS | {"bool", "byte", "char", "float32", "float64", "string", "wstring"}
+
+
+def message_schema(type_name: str) -> str:
+    """Concatenated .msg text of `type_name`, such as "sensor_msgs/msg/JointState".
+
+    Raises:
+        ConfigurationError: the package or its .msg file is not installed.
+    """
+    package, _, name = type_name.split("/")
+    parts = [_definition(package, name)]
+    seen = {(package, name)}
+    open_ = _dependencies(package, name)
+    while open_:
+        inner = open_.pop(0)
+        if inner in seen:
+            continue
+        seen.add(inner)
+        parts.append(f"{_SEPARATOR}\nMSG: {inner[0]}/{inner[1]}\n{_definition(*inner)}")
+        open_.extend(_dependencies(*inner))
+    return "\n".join(parts)
+
+
+@cache
+def _definition(package: str, name: str) -> str:
+    try:
+        share = Path(get_package_share_directory(package))
+        return (share / "msg" / f"{name}.msg").read_text(encoding="utf-8")
+    except (PackageNotFoundError, OSError) as error:
+        raise ConfigurationError(f"message type '{package}/msg/{name}': {error}") from error
+
+
+def _dependencies(package: str, name: str) -> list[tuple[str, str]]:
+    """(package, name) of the fields that are messages themselves, in their order."""
+    found = []
+    for line in _definition(package, name).splitlines():
+        words = line.partition("#")[0].split()
+        if not words or (len(words) > 1 and words[1].startswith("=")):
+            continue
+        kind = words[0].partition("[")[0].partition("<")[0]
+        if kind in _PRIMITIVES or "=" in kind:
+            continue
+        scope, _, inner = kind.rpartition("/")
+        found.append((scope.partition("/")[0] or package, inner))
+    return found
