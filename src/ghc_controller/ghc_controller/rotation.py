@@ -124,9 +124,11 @@ def angular_motion(p: Array, rate: Array, rate_change: Array) -> tuple[Array, Ar
     return velocity, acceleration
 
 
-@numba.njit(cache=True)
 def vector_motion(p: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
-    """Inverse of angular_motion: p', p'' from angular velocity and acceleration, |p| < 2 pi."""
+    """Inverse of angular_motion: p', p'' from angular velocity and acceleration, |p| < 2 pi.
+
+    Not compiled: it is used when a trajectory is made, and a compiled solve takes long to compile.
+    """
     a, b, _, _ = _coefficients(p)
     skew = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
     jacobian = np.eye(3) - a * skew + b * (skew @ skew)
