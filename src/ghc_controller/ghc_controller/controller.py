@@ -123,6 +123,19 @@ class Controller:
         self._events += self.priorities.add(transition, now)
         return True
 
+    def take_events(self) -> tuple[TransitionEvent, ...]:
+        """What happened to transitions since the last step; not repeated by the next one."""
+        events = tuple(self._events)
+        self._events.clear()
+        return events
+
+    def observe(self, state: RobotState) -> None:
+        """Look at a state without answering it: requests are judged at its configuration."""
+        self.model.update(state.q, state.v)
+        if not self.references.has_begun:
+            self.references.begin(self.model)
+        self.stack.update(self.model, state, self.references)
+
     def step(self, state: RobotState) -> StepResult:
         """Torque for one robot state; never raises for what a robot can be in."""
         begin = perf_counter()
@@ -135,9 +148,7 @@ class Controller:
         self._alpha[:] = self.priorities.alpha
         self.stack.update(model, state, self.references)
         applied = self._applied if state.torque is None else state.torque
-        self._boxes = self.constraints.update(
-            model, dynamics, state, applied, settings.control_dt
-        )
+        self._boxes = self.constraints.update(model, dynamics, state, applied, settings.control_dt)
         after_terms = perf_counter()
         solution = self.formulation.solve(self._problem())
         after_solve = perf_counter()

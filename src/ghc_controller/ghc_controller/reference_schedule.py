@@ -57,6 +57,11 @@ class ReferenceSchedule:
         queue.append(reference)
         queue.sort(key=lambda entry: entry.start_time)
 
+    def current(self, name: str, time: float) -> TaskTarget:
+        """Target of the task of that name at `time` [s]; UnknownName if there is none."""
+        self.task(name)
+        return self.target(self._index[name], time)
+
     def target(self, index: int, time: float) -> TaskTarget:
         """Target of task number `index` at `time` [s]."""
         queue = self._queues[index]

@@ -35,9 +35,7 @@ class TaskStack:
             for a, b in zip(self.starts, self.starts[1:], strict=False)
         ]
 
-    def update(
-        self, model: RobotModel, state: RobotState, references: ReferenceSchedule
-    ) -> None:
+    def update(self, model: RobotModel, state: RobotState, references: ReferenceSchedule) -> None:
         """Linearise every task at the state of the last `model.update`."""
         for i, task in enumerate(self.tasks):
             rows = task.rows(model, state, references.target(i, state.time), self._rows[i])

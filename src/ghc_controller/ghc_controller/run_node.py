@@ -5,15 +5,17 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from functools import wraps
 from typing import ParamSpec, Protocol, TypeVar
 
 import rclpy
-from ghc_controller.errors import GhcError
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+
+from ghc_controller.errors import GhcError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -39,6 +41,7 @@ class RunnableNode(Protocol):
 def guarded(stop: Future, callback: Callable[P, R]) -> Callable[P, R | None]:
     """Callback whose errors end the node in order; executors would log a traceback of them."""
 
+    @wraps(callback)  # rclpy looks at the signature to decide what to pass
     def call(*args: P.args, **kwargs: P.kwargs) -> R | None:
         try:
             return callback(*args, **kwargs)
@@ -88,18 +91,19 @@ def _run(name: str, create: Callable[[Future], RunnableNode], stop: Future) -> i
         return _complain(name, error, EXIT_REFUSED)
     executor = make_executor(runnable.executor)
     executor.add_node(runnable.node)
-    while not stop.done():
-        executor.spin_until_future_complete(stop, SPIN_SLICE)
-    failure = stop.exception()
-    code = 0 if failure is None else _complain(name, failure, EXIT_FAILED)
     try:
-        runnable.close()
-    except (GhcError, OSError) as error:
-        code = _complain(name, error, EXIT_FAILED)
+        while not stop.done():
+            executor.spin_until_future_complete(stop, SPIN_SLICE)
+    finally:  # also on a mistake of ours: what was recorded so far is worth keeping
+        try:
+            runnable.close()
+        except (GhcError, OSError) as error:
+            stop.set_exception(error)
+    failure = stop.exception()
     executor.remove_node(runnable.node)
     executor.shutdown()
     runnable.node.destroy_node()
-    return code
+    return 0 if failure is None else _complain(name, failure, EXIT_FAILED)
 
 
 def _complain(name: str, error: Exception, code: int) -> int:

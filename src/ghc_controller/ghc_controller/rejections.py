@@ -1,4 +1,4 @@
-"""Counts of what the bridge refused or corrected, by field, and when to say so."""
+"""Counts of what a node refused or corrected, by field, and when to say so."""
 
 from __future__ import annotations
 

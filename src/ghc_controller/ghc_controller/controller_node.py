@@ -1,0 +1,297 @@
+"""The controller behind ROS topics: answers every robot state with a torque.
+
+Publishes  joint_commands (stamp = the state answered, effort [Nm] by joint name),
+           ghc/transition_status, ghc/priority_matrix (latched), ghc/controller_state,
+           /diagnostics, and with mirror_commands /effort_controller/commands (ros2_control).
+Subscribes joint_states (frame_id = epoch, effort = torque applied over the last period),
+           ghc/priority_transition, ghc/task_reference, contacts/<name> where it has to wait for
+           them.
+Parameters see ControllerParameters.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
+from ghc_msgs.msg import (
+    ControllerState,
+    PriorityMatrix,
+    PriorityTransition,
+    TaskReference,
+    TransitionStatus,
+)
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+
+from ghc_controller.controller import Controller
+from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.joint_state_reader import JointStateReader
+from ghc_controller.node_parameters import read_parameters
+from ghc_controller.parameters import ControllerParameters
+from ghc_controller.rejections import Rejections
+from ghc_controller.report import StepStatus
+from ghc_controller.ros_conversions import (
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    LATCHED_QOS,
+    NANOSECONDS,
+    RELIABLE_QOS,
+    STREAM_QOS,
+    controller_state_message,
+    diagnostics_message,
+    event_message,
+    matrix_message,
+    nanoseconds_from_time,
+    reference_from_message,
+    status_message,
+    transition_from_message,
+    wrench_from_message,
+)
+from ghc_controller.run_node import guarded, run_node
+from ghc_controller.state_gate import StateGate, Verdict
+
+NODE_NAME = "controller"
+DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+
+
+class ControllerNode:
+    """Wires topics to the controller; no arithmetic here."""
+
+    def __init__(self, stop: Future) -> None:
+        """Read the parameters, load the robot, compile, listen.
+
+        Raises:
+            GhcError: a parameter, or a file that it names, cannot be used.
+        """
+        self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
+        self._parameters = p = read_parameters(self.node, ControllerParameters)
+        self.executor = p.executor
+        self._controller = Controller.for_robot(p.robot, p.settings())
+        self._controller.warm_up()
+        self._reader = JointStateReader(self._controller.model.joint_names)
+        self._gate = StateGate(p.wait_for_contacts)
+        self._rejections = Rejections()
+        self._early: list[Callable[[], None]] = []  # requests that came before the first state
+        self._now: float | None = None  # [s] of the last state
+        self._command = JointState(name=list(self._controller.model.joint_names))
+        self._state_period_ns = round(NANOSECONDS / p.state_rate)
+        self._state_due_ns = 0
+        self._publish_and_listen(stop)
+        self.node.get_logger().info(
+            f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
+            f"{self._controller.formulation.name}, solver {p.qp_solver}: ready"
+        )
+
+    def _publish_and_listen(self, stop: Future) -> None:
+        node, p = self.node, self._parameters
+        self._commands = node.create_publisher(JointState, "joint_commands", CONTROL_PUBLISHER_QOS)
+        self._status = node.create_publisher(
+            TransitionStatus, "ghc/transition_status", RELIABLE_QOS
+        )
+        self._matrix = node.create_publisher(PriorityMatrix, "ghc/priority_matrix", LATCHED_QOS)
+        self._state = node.create_publisher(ControllerState, "ghc/controller_state", STREAM_QOS)
+        self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._mirror = (
+            node.create_publisher(Float64MultiArray, "/effort_controller/commands", 1)
+            if p.mirror_commands
+            else None
+        )
+        node.create_subscription(
+            JointState, "joint_states", guarded(stop, self._on_state), CONTROL_SUBSCRIBER_QOS
+        )
+        for name in p.wait_for_contacts:
+            node.create_subscription(
+                WrenchStamped,
+                f"contacts/{name}",
+                guarded(stop, partial(self._on_wrench, name)),
+                CONTROL_SUBSCRIBER_QOS,
+            )
+        for message, topic, handle in (
+            (PriorityTransition, "ghc/priority_transition", self._on_transition),
+            (TaskReference, "ghc/task_reference", self._on_reference),
+        ):
+            node.create_subscription(
+                message,
+                topic,
+                guarded(stop, partial(self._after_first_state, handle)),
+                RELIABLE_QOS,
+            )
+        wall = RosClock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+
+    def _on_state(self, message: JointState) -> None:
+        header = message.header
+        self._handle(message, self._gate.state(message, _stamp_of(message), header.frame_id))
+
+    def _on_wrench(self, name: str, message: WrenchStamped) -> None:
+        try:
+            wrench = wrench_from_message(message)
+        except InvalidValue as error:
+            self._reject(f"contacts/{name}", str(error))
+            return
+        complete = self._gate.wrench(name, _stamp_of(message), wrench)
+        if complete is not None:
+            self._handle(*complete)
+
+    def _handle(self, message: JointState, verdict: Verdict) -> None:
+        if verdict is Verdict.REPEATED:
+            self._commands.publish(self._command)
+        elif verdict is Verdict.STALE:
+            self._reject("joint_states.stamp", "older than the last one, in the same epoch")
+        elif verdict is Verdict.MALFORMED:
+            self._reject(
+                "joint_states.frame_id",
+                f"'{message.header.frame_id}' given, an epoch such as '0' (or nothing) expected",
+            )
+        elif verdict in (Verdict.NEW, Verdict.NEW_EPOCH):
+            self._answer(message, verdict is Verdict.NEW_EPOCH)
+
+    def _answer(self, message: JointState, new_epoch: bool) -> None:
+        controller = self._controller
+        stamp_ns = _stamp_of(message)
+        try:
+            state = self._reader.read(
+                message, stamp_ns / NANOSECONDS, self._gate.epoch, self._gate.wrenches
+            )
+        except InvalidValue as error:
+            self._gate.forget()
+            self._reject(str(error).split(":")[0], str(error))
+            return
+        if new_epoch:
+            controller.reset()
+            self._state_due_ns = 0
+        first = self._now is None
+        self._now = state.time
+        if first:
+            controller.observe(state)
+            for request in self._early:
+                request()
+            self._early.clear()
+        result = controller.step(state)
+        command = self._command
+        command.header.stamp = message.header.stamp
+        command.effort = result.torque.tolist()
+        self._commands.publish(command)
+        self._gate.answered(stamp_ns)
+        if self._mirror is not None:
+            self._mirror.publish(Float64MultiArray(data=command.effort))
+        for event in result.events:
+            self._status.publish(event_message(event))
+        if stamp_ns >= self._state_due_ns or result.status is StepStatus.FALLBACK:
+            period = self._state_period_ns
+            self._state_due_ns = stamp_ns - stamp_ns % period + period
+            self._publish_state()
+
+    def _publish_state(self) -> None:
+        controller = self._controller
+        report = controller.report()
+        report.counts.update({f"rejected_{k}": n for k, n in self._rejections.counts.items()})
+        self._state.publish(
+            controller_state_message(
+                report,
+                controller.formulation.name,
+                controller.formulation.solver.name,
+                controller.model.joint_names,
+            )
+        )
+        self._matrix.publish(matrix_message(controller.priorities, report.result.time))
+
+    def _after_first_state(
+        self,
+        handle: Callable[[PriorityTransition | TaskReference], None],
+        message: PriorityTransition | TaskReference,
+    ) -> None:
+        """Requests are judged at a robot state: those that come before it wait."""
+        if self._now is None:
+            self._early.append(partial(handle, message))
+        else:
+            handle(message)
+
+    def _on_transition(self, message: PriorityTransition) -> None:
+        now = self._now or 0.0
+        controller = self._controller
+        try:
+            transition = transition_from_message(message, controller.robot.task_names, now)
+            self._check_start(transition.start, now)
+            scheduled = controller.add_transition(transition, now)
+        except GhcError as error:
+            self._status.publish(
+                status_message(TransitionStatus.REJECTED, now, None, message.id, str(error))
+            )
+            self._reject("ghc/priority_transition", str(error))
+            return
+        if scheduled:
+            self._gate.forget()  # the state in force is worked out again with it
+        else:
+            for status in (TransitionStatus.ACCEPTED, TransitionStatus.DONE):
+                self._status.publish(status_message(status, now, transition))
+            return
+        for event in controller.take_events():
+            self._status.publish(event_message(event))
+
+    def _on_reference(self, message: TaskReference) -> None:
+        now = self._now or 0.0
+        controller = self._controller
+        try:
+            task = controller.references.task(message.task)
+            current = controller.references.current(message.task, now).position
+            reference = reference_from_message(message, task, current, now)
+            self._check_start(reference.start_time, now)
+            controller.add_reference(reference)
+        except GhcError as error:
+            self._reject("ghc/task_reference", str(error))
+            return
+        self._gate.forget()
+
+    def _check_start(self, start: float, now: float) -> None:
+        if self._parameters.lockstep and start < now:
+            raise InvalidValue(
+                f"start {start:g} s given, {now:g} s (now) or later expected: in lockstep a late "
+                "request would make the run depend on when it arrived"
+            )
+
+    def _reject(self, field: str, reason: str) -> None:
+        if self._rejections.count(field, time.monotonic()):
+            self.node.get_logger().warning(f"{field}: {reason}")
+
+    def _publish_diagnostics(self) -> None:
+        controller = self._controller
+        counts = controller.counts | controller.gate.counts
+        rejected = {f"rejected_{k}": n for k, n in sorted(self._rejections.counts.items())}
+        trouble = counts["fallback_ticks"] + sum(self._rejections.counts.values())
+        stamp_ns = round((self._now or 0.0) * NANOSECONDS)
+        summary = "ok" if self._now is not None else "waiting for joint_states"
+        if trouble:
+            summary = f"{counts['fallback_ticks']} ticks without a solution, "
+            summary += f"{sum(self._rejections.counts.values())} inputs refused"
+        values: dict[str, object] = {"formulation": controller.formulation.name}
+        self._diagnostics.publish(
+            diagnostics_message(
+                stamp_ns, NODE_NAME, summary, trouble > 0, values | counts | rejected
+            )
+        )
+
+    def close(self) -> None:
+        """Nothing to be written."""
+
+
+def _stamp_of(message: JointState | WrenchStamped) -> int:
+    return nanoseconds_from_time(message.header.stamp)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the controller until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    return run_node(NODE_NAME, ControllerNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
