@@ -46,9 +46,8 @@ def stamp_of(data: bytes) -> int:
 class CommandDecoder:
     """Serialized JointState with efforts -> torque in the bridge's joint order.
 
-    A message is read and checked in full once. What stands between its stamp and its numbers
-    (names, sizes, epoch) is then remembered, and a message with the same bytes there needs
-    only its numbers checked.
+    A message is read and checked in full once. Its layout (names, sizes, epoch) is then
+    remembered, and of a message with the same layout only the numbers are checked.
     """
 
     def __init__(
@@ -60,8 +59,7 @@ class CommandDecoder:
         """
         self._read = read
         self._joint_names = tuple(joint_names)
-        self._known = b""
-        self._effort_start = 0  # [bytes]
+        self._layout: JointStateLayout | None = None
         self._order: NDArray[np.intp] | None = None  # None: already in the bridge's order
         self._epoch = ""
 
@@ -71,8 +69,10 @@ class CommandDecoder:
         Raises:
             CommandRejected: a field is unknown, missing, of the wrong size or not finite.
         """
-        effort = self._known_effort(data)
-        if effort is None:
+        layout = self._layout
+        if layout is not None and layout.describes(data):
+            effort = np.frombuffer(data, np.float64, len(self._joint_names), layout.effort_start)
+        else:
             effort = self._read_in_full(data)
         if self._epoch and self._epoch != str(epoch):
             raise CommandRejected(
@@ -86,13 +86,6 @@ class CommandDecoder:
             raise CommandRejected("effort", ", ".join(bad))
         return effort
 
-    def _known_effort(self, data: bytes) -> Array | None:
-        """Efforts in the message's order if all but stamp and numbers is as in the last one."""
-        start, n = self._effort_start, len(self._joint_names)
-        if start == 0 or data[STAMP_END:start] != self._known or len(data) < start + 8 * n:
-            return None
-        return np.frombuffer(data, np.float64, n, start)
-
     def _read_in_full(self, data: bytes) -> Array:
         try:
             message = self._read(data)
@@ -102,27 +95,20 @@ class CommandDecoder:
         n = len(self._joint_names)
         if len(message.effort) != n:
             raise CommandRejected("effort", f"size {len(message.effort)} given, {n} expected")
-        position = {name: k for k, name in enumerate(message.name)}
-        order = np.array([position[name] for name in self._joint_names], dtype=np.intp)
+        place = {name: k for k, name in enumerate(message.name)}
+        order = np.array([place[name] for name in self._joint_names], dtype=np.intp)
         self._order = None if (order == np.arange(n)).all() else order
         self._epoch = message.header.frame_id
-        effort = np.array(message.effort)
-        self._remember(data, message, effort)
-        return effort
-
-    def _remember(self, data: bytes, message: JointStateFields, effort: Array) -> None:
-        layout = JointStateLayout(
+        # A message in another byte order or encoding does not fit its layout here: the next one
+        # is then read in full as well, instead of wrongly.
+        self._layout = JointStateLayout(
             message.header.frame_id,
             message.name,
             len(message.position),
             len(message.velocity),
             len(message.effort),
         )
-        start = layout.effort_start
-        # Another byte order or encoding is read in full every time instead of read wrongly.
-        same = data[start : start + 8 * len(effort)] == effort.tobytes()
-        self._effort_start = start if same else 0
-        self._known = data[STAMP_END:start]
+        return np.array(message.effort)
 
     def _check_names(self, message: JointStateFields) -> None:
         expected = ", ".join(self._joint_names)

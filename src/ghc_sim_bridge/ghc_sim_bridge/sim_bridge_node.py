@@ -79,7 +79,7 @@ class SimBridge:
             if p.log_file
             else None
         )
-        self._rows_saved = 0
+        self._rows_saved = -1  # a run that was stopped at once leaves an empty log, not none
         self._cycle = ControlCycle(simulator, gate, self._log)
         self._stop_ns = round(p.stop_time * NANOSECONDS) if p.stop_time > 0.0 else NEVER_NS
         self._rejections = Rejections()
@@ -91,6 +91,9 @@ class SimBridge:
         self._diagnosed = (time.monotonic(), 0)  # wall [s], simulated [ns]
         self._listen(stop)
         self._mode.restart()
+        self.node.get_logger().info(
+            f"scene '{p.scene}', {p.mode}, {'paused' if p.paused else 'running'}"
+        )
 
     def _make_publisher(self, contacts: Sequence[str]) -> StatePublisher:
         node, lossless = self.node, self._parameters.lossless

@@ -52,17 +52,18 @@ class CdrBody:
     def __init__(self) -> None:
         """Begin with the room of a stamp."""
         self._body = bytearray(STAMP_END - ENCAPSULATION_SIZE)
+        self._pieces: list[tuple[int, int]] = []  # [bytes] begin and end of what is written
 
     def append_length(self, length: int) -> None:
         """Add the length of the sequence that follows."""
         self._align(4)
-        self._body.extend(_LENGTH.pack(length))
+        self._write(_LENGTH.pack(length))
 
     def append_string(self, text: str) -> None:
         """Add a string with its length and closing zero."""
         encoded = text.encode() + b"\x00"
         self.append_length(len(encoded))
-        self._body.extend(encoded)
+        self._write(encoded)
 
     def append_numbers(self, count: int) -> int:
         """Add room for `count` float64; where it begins [bytes] in the whole message."""
@@ -75,9 +76,23 @@ class CdrBody:
     def _align(self, size: int) -> None:
         self._body.extend(bytes(-len(self._body) % size))
 
+    def _write(self, data: bytes) -> None:
+        start = len(self._body)
+        self._body.extend(data)
+        if self._pieces and self._pieces[-1][1] == start:
+            start = self._pieces.pop()[0]
+        self._pieces.append((start, len(self._body)))
+
     def message(self) -> bytearray:
         """The whole message."""
         return bytearray(_ENCAPSULATION) + self._body
+
+    def fixed_pieces(self) -> tuple[tuple[int, bytes], ...]:
+        """(begin, bytes) of all but stamp, numbers and padding: the latter is never cleared."""
+        return ((0, _ENCAPSULATION),) + tuple(
+            (start + ENCAPSULATION_SIZE, bytes(self._body[start:end]))
+            for start, end in self._pieces
+        )
 
 
 class JointStateLayout:
@@ -98,6 +113,13 @@ class JointStateLayout:
             starts.append(body.append_numbers(count))
         self.position_start, self.velocity_start, self.effort_start = starts
         self.data = body.message()
+        self.fixed_pieces = body.fixed_pieces()  # (begin, bytes) of names, lengths and frame_id
+
+    def describes(self, data: bytes) -> bool:
+        """Whether `data` is such a message: all of it but stamp and numbers is the same."""
+        if len(data) < len(self.data):
+            return False
+        return all(data.startswith(piece, start) for start, piece in self.fixed_pieces)
 
 
 def _view(data: bytearray, count: int, start: int) -> Array:

@@ -1,0 +1,233 @@
+"""The installed bridge in lockstep: it steps on the right command and on nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from bridge_client import ROBOT, BridgeClient, GravityModel, answer
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+
+from ghc_sim_bridge.full_rate_log import FullRateLog, Source
+from ghc_sim_bridge.ros_conversions import CLOCK_QOS, nanoseconds_from_time
+
+StartBridge = Callable[..., Any]
+
+
+@pytest.fixture
+def start_bridge(start_node: Callable[..., Any]) -> StartBridge:
+    """Start the bridge with parameters given by keyword."""
+
+    def start(**parameters: object) -> Any:
+        arguments = [f"{name}:={value}" for name, value in ({"scene": ROBOT} | parameters).items()]
+        pairs = [part for argument in arguments for part in ("-p", argument)]
+        return start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", *pairs)
+
+    return start
+
+
+@pytest.fixture
+def client(ros_context: Any) -> Iterator[BridgeClient]:
+    """A partner on the test's own domain."""
+    partner = BridgeClient(ros_context)
+    yield partner
+    partner.close()
+
+
+def _stamp(state: JointState) -> int:
+    return nanoseconds_from_time(state.header.stamp)
+
+
+def _walk(client: BridgeClient, steps: int) -> list[JointState]:
+    model = GravityModel()
+    states = [client.connected_state()]
+    for _ in range(steps):
+        states.append(client.step(states[-1], model.swing(states[-1])))
+    return states
+
+
+def test_two_runs_give_the_same_trajectory(
+    start_bridge: StartBridge, client: BridgeClient, tmp_path: Path
+) -> None:
+    logs = []
+    for run in range(2):
+        file = tmp_path / f"log_{run}.npz"
+        bridge = start_bridge(log_file=file, stop_time=0.2)
+        states = _walk(client, 200)
+        assert [_stamp(state) for state in states] == [k * 1_000_000 for k in range(201)]
+        client.until(file.exists, "the log, as soon as stop_time is reached")
+        assert bridge.stop() == 0
+        assert "Traceback" not in bridge.output
+        logs.append(FullRateLog.load(file))
+    assert logs[0].time.shape == (200,)
+    assert (logs[0].source == Source.COMMAND).all()
+    assert np.abs(logs[0].v).max() > 0.1, "the arm moved"
+    for name in ("q", "v", "torque", "acceleration"):
+        np.testing.assert_allclose(
+            getattr(logs[0], name), getattr(logs[1], name), rtol=0.0, atol=1e-9
+        )
+
+
+def test_state_carries_the_torque_that_led_to_it(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    start_bridge()
+    first = client.connected_state()
+    np.testing.assert_allclose(first.effort, GravityModel().hold(first), atol=1e-9)
+    torque = np.array(first.effort) + 0.25
+    second = client.step(first, torque)
+    np.testing.assert_array_equal(second.effort, torque)
+    assert second.header.frame_id == first.header.frame_id == "0"
+
+
+def test_no_step_without_its_command_and_a_lost_answer_is_asked_for_again(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    start_bridge()
+    state = client.connected_state()
+    client.states.clear()
+    client.spin(0.4)
+    assert len(client.states) >= 4, "an unanswered state is repeated"
+    assert all(repeat == state for repeat in client.states)
+    late = answer(state, state.effort)
+    late.header.stamp.nanosec = 500_000_000
+    client.commands.publish(late)
+    client.counted("stamp_of_no_state", 1)
+    assert _stamp(client.next_state()) == 0
+    moved = client.step(state, state.effort)
+    assert _stamp(moved) == 1_000_000
+    client.commands.publish(answer(state, state.effort))
+    client.counted("answered_before", 1)
+    assert _stamp(client.next_state()) == 1_000_000, "a repeated answer does not step again"
+
+
+def test_clock_follows_the_states(
+    start_bridge: StartBridge, client: BridgeClient, ros_context: Any
+) -> None:
+    clocks: list[int] = []
+    client.node.create_subscription(
+        Clock, "/clock", lambda m: clocks.append(nanoseconds_from_time(m.clock)), CLOCK_QOS
+    )
+    start_bridge(control_dt=0.002, physics_dt=0.0005)
+    states = _walk(client, 20)
+    assert _stamp(states[-1]) == 40_000_000
+    client.until(lambda: clocks and clocks[-1] == 40_000_000, "the clock of the last state")
+    assert clocks == sorted(clocks)
+
+
+@pytest.mark.parametrize("executor", ["events", "single"])
+def test_missing_controller_is_a_clear_error(start_bridge: StartBridge, executor: str) -> None:
+    bridge = start_bridge(lockstep_timeout=0.5, executor=executor)
+    assert bridge.wait(20.0) == 1
+    line = bridge.output.strip().splitlines()[-1]
+    assert "Traceback" not in bridge.output
+    assert line.startswith(
+        "sim_bridge: no command on 'joint_commands' answered the state of t = 0"
+    )
+    assert "controller running" in line
+
+
+def test_controller_that_falls_silent_is_a_clear_error(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    bridge = start_bridge(paused=True, lockstep_timeout=1.0)
+    client.connected_state()
+    client.pause(False)
+    state = _walk(client, 5)[-1]
+    broken = answer(state, state.effort)
+    broken.effort[2] = float("nan")
+    client.commands.publish(broken)
+    assert bridge.wait(20.0) == 1
+    assert "t = 0.005000 s" in bridge.output
+    assert "the last one was refused: effort: joint_3 is nan" in bridge.output
+    assert "Traceback" not in bridge.output
+
+
+def test_commands_that_cannot_be_used_are_counted_and_do_no_harm(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    bridge = start_bridge()
+    state = client.connected_state()
+    good = answer(state, state.effort)
+    for names, effort in (
+        (state.name, [float("nan")] * 7),
+        (state.name, list(state.effort)[:3]),
+        (list(state.name)[:6], list(state.effort)[:6]),
+        ([*list(state.name)[:6], "gripper"], state.effort),
+    ):
+        command = JointState(header=good.header, name=names, effort=effort)
+        client.commands.publish(command)
+        client.spin(0.05)
+    client.counted("effort", 2)
+    client.counted("name", 2)
+    assert _stamp(client.next_state()) == 0
+    assert _stamp(client.step(state, state.effort)) == 1_000_000
+    assert "joint_commands: effort: joint_1 is nan" in bridge.output
+    assert bridge.stop() == 0
+    assert "Traceback" not in bridge.output
+
+
+def test_torque_beyond_the_limits_is_clipped_and_counted(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    start_bridge(torque_rate_limit=1000.0)
+    state = client.connected_state()
+    wild = client.step(state, [1e4, -1e4, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert np.abs(np.subtract(wild.effort, state.effort)).max() <= 1.0 + 1e-9
+    client.counted("torque_limit", 1)
+    client.counted("torque_rate", 1)
+    for _ in range(200):
+        wild = client.step(wild, [1e4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert wild.effort[0] == pytest.approx(176.0)
+
+
+def test_reset_goes_to_the_start_in_a_new_epoch(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    start_bridge()
+    states = _walk(client, 30)
+    assert client.reset() == "epoch 1"
+    state = client.next_state()
+    assert (_stamp(state), state.header.frame_id) == (0, "1")
+    np.testing.assert_array_equal(state.position, states[0].position)
+    stale = answer(state, state.effort)
+    stale.header.frame_id = "0"
+    client.commands.publish(stale)
+    client.counted("header.frame_id", 1)
+    assert _stamp(client.next_state()) == 0
+    assert _stamp(client.step(state, state.effort)) == 1_000_000
+
+
+def test_pause_stops_time_and_waits_for_ever(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    bridge = start_bridge(paused=True, lockstep_timeout=0.5)
+    state = client.connected_state()
+    client.commands.publish(answer(state, state.effort))
+    client.spin(1.0)
+    assert bridge.exit_code is None
+    assert {_stamp(repeat) for repeat in client.states} == {0}
+    assert client.pause(False) == "running at t = 0.000000 s"
+    state = client.step(client.next_state(), state.effort)
+    assert client.pause(True).startswith("paused")
+    client.spin(1.0)
+    assert bridge.exit_code is None
+    assert _stamp(client.next_state()) == _stamp(state)
+
+
+def test_after_the_stop_time_the_last_state_stays_readable(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    bridge = start_bridge(stop_time=0.005, paused=True, lockstep_timeout=1.0)
+    client.connected_state()
+    client.pause(False)
+    last = _walk(client, 5)[-1]
+    client.commands.publish(answer(last, last.effort))
+    client.spin(1.5)
+    assert _stamp(client.next_state()) == 5_000_000
+    assert bridge.exit_code is None
+    assert bridge.stop() == 0

@@ -1,0 +1,91 @@
+"""Commands from the wire: any order of joints, and nothing that is not a torque for each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
+
+from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected, stamp_of
+from ghc_sim_bridge.ros_conversions import read_joint_state, time_from_nanoseconds
+
+NAMES = [f"joint_{k}" for k in range(1, 8)]
+
+
+def _decoder() -> CommandDecoder:
+    return CommandDecoder(NAMES, read_joint_state)
+
+
+def _command(
+    effort: list[float], names: list[str] = NAMES, stamp_ns: int = 0, epoch: str = ""
+) -> bytes:
+    message = JointState(name=names, effort=effort)
+    message.header.stamp = time_from_nanoseconds(stamp_ns)
+    message.header.frame_id = epoch
+    return bytes(serialize_message(message))
+
+
+def test_effort_comes_back_in_the_order_of_the_bridge() -> None:
+    rng = np.random.default_rng(3)
+    decoder = _decoder()
+    for _ in range(20):
+        order = rng.permutation(7)
+        torque = rng.normal(size=7)
+        stamp = int(rng.integers(0, 10**12))
+        data = _command(torque[order].tolist(), [NAMES[k] for k in order], stamp)
+        for _ in range(2):  # read in full, then by what is known of it
+            np.testing.assert_array_equal(decoder.decode(data, 0), torque)
+        assert stamp_of(data) == stamp
+
+
+@pytest.mark.parametrize(
+    ("names", "effort", "field", "words"),
+    [
+        (NAMES[:6], [0.0] * 6, "name", "'joint_7' is missing"),
+        ([*NAMES, "gripper"], [0.0] * 8, "name", "unknown joint 'gripper'; known: joint_1"),
+        ([*NAMES, "joint_1"], [0.0] * 8, "name", "named twice"),
+        ([], [], "name", "'joint_1' is missing"),
+        (NAMES, [0.0] * 6, "effort", "size 6 given, 7 expected"),
+        (NAMES, [], "effort", "size 0 given, 7 expected"),
+        (NAMES, [0.0, 0.0, float("nan"), 0.0, 0.0, 0.0, 0.0], "effort", "joint_3 is nan"),
+        (NAMES, [0.0] * 6 + [float("-inf")], "effort", "joint_7 is -inf"),
+    ],
+)
+def test_rejection_names_the_field(
+    names: list[str], effort: list[float], field: str, words: str
+) -> None:
+    """Also right after good commands, when names and sizes are already known."""
+    decoder = _decoder()
+    good = _command([1.0] * 7)
+    for _ in range(2):
+        with pytest.raises(CommandRejected, match=words) as caught:
+            decoder.decode(_command(effort, names), 0)
+        assert caught.value.field == field
+        np.testing.assert_array_equal(decoder.decode(good, 0), np.ones(7))
+
+
+def test_command_of_another_epoch_is_rejected_and_no_epoch_is_accepted() -> None:
+    decoder = _decoder()
+    decoder.decode(_command([1.0] * 7, epoch="2"), 2)
+    decoder.decode(_command([1.0] * 7), 2)
+    with pytest.raises(CommandRejected, match="epoch '1' given, '2' expected"):
+        decoder.decode(_command([1.0] * 7, epoch="1"), 2)
+
+
+@pytest.mark.parametrize("cut", [0, 3, 11, 40, 150])
+def test_truncated_bytes_are_rejected(cut: int) -> None:
+    decoder = _decoder()
+    whole = _command([1.0] * 7)
+    decoder.decode(whole, 0)
+    with pytest.raises(CommandRejected):
+        stamp_of(whole[:cut])
+        decoder.decode(whole[:cut], 0)
+
+
+def test_positions_beside_the_efforts_do_not_disturb() -> None:
+    decoder = _decoder()
+    message = JointState(name=NAMES, position=[9.0] * 7, velocity=[8.0] * 7, effort=[1.0] * 7)
+    data = bytes(serialize_message(message))
+    for _ in range(2):
+        np.testing.assert_array_equal(decoder.decode(data, 0), np.ones(7))

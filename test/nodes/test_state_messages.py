@@ -1,0 +1,103 @@
+"""The bridge's own CDR writer says exactly what the message classes say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import WrenchStamped
+from rclpy.serialization import deserialize_message, serialize_message
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+
+from ghc_sim_bridge.ros_conversions import (
+    nanoseconds_from_time,
+    time_from_nanoseconds,
+    wrench_from_message,
+)
+from ghc_sim_bridge.state_cdr import (
+    JointStateEncoder,
+    JointStateLayout,
+    WrenchEncoder,
+    encode_clock,
+    read_stamp,
+)
+
+STAMPS = (0, 1, 999_999_999, 1_000_000_000, 12_345_678_901_234)  # [ns]
+
+
+def _message(
+    stamp_ns: int, frame_id: str, names: list[str], numbers: list[np.ndarray]
+) -> JointState:
+    message = JointState(name=names)
+    message.header.stamp = time_from_nanoseconds(stamp_ns)
+    message.header.frame_id = frame_id
+    message.position, message.velocity, message.effort = (list(map(float, x)) for x in numbers)
+    return message
+
+
+def _same_but_for_padding(written: bytes, message: JointState, layout: JointStateLayout) -> bool:
+    """The message class leaves whatever is in memory between fields, so bytes may differ there."""
+    return layout.describes(bytes(serialize_message(message))) and (
+        deserialize_message(written, JointState) == message
+    )
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_joint_state_is_that_of_the_message_class(seed: int) -> None:
+    """Whatever the lengths of the names and so the alignment of the numbers."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(0, 9))
+    names = ["j" * int(rng.integers(0, 12)) + str(k) for k in range(count)]
+    frame_id = "9" * int(rng.integers(0, 6))
+    encoder = JointStateEncoder(names, frame_id)
+    layout = JointStateLayout(frame_id, names, count, count, count)
+    for _ in range(3):
+        numbers = [rng.normal(size=count) for _ in range(3)]
+        stamp = int(rng.integers(0, 10**12))
+        written = encoder.encode(stamp, *numbers)
+        assert _same_but_for_padding(written, _message(stamp, frame_id, names, numbers), layout)
+        assert read_stamp(written) == stamp
+
+
+@pytest.mark.parametrize("lengths", [(0, 0, 7), (7, 0, 7), (3, 2, 1), (0, 0, 0)])
+def test_layout_with_empty_sequences(lengths: tuple[int, int, int]) -> None:
+    names = [f"joint_{k}" for k in range(7)]
+    layout = JointStateLayout("0", names, *lengths)
+    numbers = [np.zeros(count) for count in lengths]
+    assert _same_but_for_padding(bytes(layout.data), _message(0, "0", names, numbers), layout)
+
+
+def test_layout_tells_other_messages_apart() -> None:
+    layout = JointStateLayout("0", ["a", "b"], 2, 0, 2)
+    for frame_id, names, counts in (
+        ("1", ["a", "b"], (2, 0, 2)),
+        ("0", ["a", "c"], (2, 0, 2)),
+        ("0", ["a", "b"], (0, 2, 2)),
+        ("0", ["a", "b"], (2, 0, 1)),
+    ):
+        numbers = [np.zeros(count) for count in counts]
+        assert not layout.describes(serialize_message(_message(0, frame_id, names, numbers)))
+
+
+def test_joint_state_refuses_arrays_of_another_size() -> None:
+    encoder = JointStateEncoder(["a", "b"], "0")
+    with pytest.raises(ValueError, match="broadcast"):
+        encoder.encode(0, np.zeros(3), np.zeros(2), np.zeros(2))
+
+
+@pytest.mark.parametrize("stamp", STAMPS)
+def test_wrench_and_clock_survive_the_wire(stamp: int) -> None:
+    wrench = np.random.default_rng(stamp % 97).normal(size=6)
+    message = deserialize_message(WrenchEncoder("world").encode(stamp, wrench), WrenchStamped)
+    assert message.header.frame_id == "world"
+    assert nanoseconds_from_time(message.header.stamp) == stamp
+    np.testing.assert_array_equal(wrench_from_message(message), wrench)
+    clock = deserialize_message(encode_clock(stamp), Clock)
+    assert nanoseconds_from_time(clock.clock) == stamp
+
+
+@pytest.mark.parametrize("stamp", STAMPS)
+def test_stamps_round_trip(stamp: int) -> None:
+    assert nanoseconds_from_time(time_from_nanoseconds(stamp)) == stamp
+    assert time_from_nanoseconds(1_500_000_000) == Time(sec=1, nanosec=500_000_000)
