@@ -78,7 +78,7 @@ class ControllerNode:
         self._controller = Controller.for_robot(p.robot, p.settings())
         self._controller.warm_up()
         self._reader = JointStateReader(self._controller.model.joint_names)
-        self._gate = StateGate(p.wait_for_contacts)
+        self._gate: StateGate[JointState] = StateGate(p.wait_for_contacts)
         self._rejections = Rejections()
         self._early: list[Callable[[], None]] = []  # requests that came before the first state
         self._now: float | None = None  # [s] of the last state
@@ -178,7 +178,7 @@ class ControllerNode:
             self._early.clear()
         result = controller.step(state)
         command = self._command
-        command.header.stamp = message.header.stamp
+        command.header = message.header  # stamp and epoch of the state answered
         command.effort = result.torque.tolist()
         self._commands.publish(command)
         self._gate.answered(stamp_ns)

@@ -1,0 +1,356 @@
+"""The controller as a process: every state answered, every bad request refused with a reason."""
+
+from __future__ import annotations
+
+import shlex
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Time
+from ghc_msgs.msg import (
+    ControllerState,
+    PriorityMatrix,
+    PriorityTransition,
+    TaskReference,
+    TaskReferencePoint,
+    TransitionStatus,
+)
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from ghc_controller.ros_conversions import (
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    LATCHED_QOS,
+    RELIABLE_QOS,
+    STREAM_QOS,
+    nanoseconds_from_time,
+    time_from_seconds,
+)
+
+JOINTS = [f"joint_{i}" for i in range(1, 8)]
+HOME = [0.1, -0.4, 0.1, 1.4, 0.1, -1.0, 0.1]
+DEADLINE = 20.0  # [s] wall, for anything that must happen
+STEP = 1e-3  # [s]
+NAN = float("nan")
+
+
+class Robot:
+    """A robot that stands still: publishes states, remembers all that the controller says."""
+
+    def __init__(self, context: Any) -> None:
+        self.node = Node("robot", context=context)
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self.node)
+        self.commands: list[JointState] = []
+        self.statuses: list[TransitionStatus] = []
+        self.states: list[ControllerState] = []
+        self.matrices: list[PriorityMatrix] = []
+        self.time = 0.0
+        create = self.node.create_publisher
+        self._states = create(JointState, "joint_states", CONTROL_PUBLISHER_QOS)
+        self._transitions = create(PriorityTransition, "ghc/priority_transition", RELIABLE_QOS)
+        self._references = create(TaskReference, "ghc/task_reference", RELIABLE_QOS)
+        listen = self.node.create_subscription
+        listen(JointState, "joint_commands", self.commands.append, CONTROL_SUBSCRIBER_QOS)
+        listen(TransitionStatus, "ghc/transition_status", self.statuses.append, RELIABLE_QOS)
+        listen(ControllerState, "ghc/controller_state", self.states.append, STREAM_QOS)
+        listen(PriorityMatrix, "ghc/priority_matrix", self.matrices.append, LATCHED_QOS)
+
+    def until(
+        self, condition: Callable[[], bool], again: Callable[[], None] | None = None
+    ) -> None:
+        """Spin until `condition`, doing `again` every 0.1 s; fail after the deadline."""
+        deadline, due = time.monotonic() + DEADLINE, 0.0
+        while not condition():
+            assert time.monotonic() < deadline, "nothing came"
+            if again is not None and time.monotonic() > due:
+                again()
+                due = time.monotonic() + 0.1
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def publish(self, **changes: Any) -> None:
+        """One joint state at the present time, with fields changed."""
+        message = JointState(name=JOINTS, position=HOME, velocity=[0.0] * 7, effort=[0.0] * 7)
+        message.header.stamp = time_from_seconds(self.time)
+        for field, value in changes.items():
+            if field == "frame_id":
+                message.header.frame_id = value
+            else:
+                setattr(message, field, value)
+        self._states.publish(message)
+
+    def answer(self, **changes: Any) -> JointState:
+        """The command for a state at the present time (repeated until it comes)."""
+        wanted = nanoseconds_from_time(time_from_seconds(self.time))
+        count = len(self.commands)
+
+        def answered() -> bool:
+            return any(
+                nanoseconds_from_time(c.header.stamp) == wanted for c in self.commands[count:]
+            )
+
+        self.until(answered, lambda: self.publish(**changes))
+        return self.commands[-1]
+
+    def step(self, **changes: Any) -> JointState:
+        """Advance the time by one period and get the command."""
+        self.time = round(self.time + STEP, 9)
+        return self.answer(**changes)
+
+    def ask(self, **fields: Any) -> list[TransitionStatus]:
+        """Send a transition; the statuses that came back for it first."""
+        count = len(self.statuses)
+        self._transitions.publish(PriorityTransition(**fields))
+        self.until(lambda: len(self.statuses) > count)
+        return self.statuses[count:]
+
+    def refer(self, message: TaskReference) -> None:
+        """Send a reference."""
+        self._references.publish(message)
+
+    def count(self, name: str) -> int:
+        """A counter of the newest controller_state."""
+        return {c.name: c.count for c in self.states[-1].counts}.get(name, 0)
+
+
+@pytest.fixture
+def robot(ros_context: Any, start_node: Callable[..., Any]) -> Iterator[Robot]:
+    """A robot with a controller that has answered its first state."""
+    # state_rate = 1 / control_dt: every step is reported
+    start_node(
+        "ghc_controller",
+        "controller",
+        *[
+            "--ros-args",
+            "-p",
+            "robot:=kuka_lwr",
+            "-p",
+            "state_rate:=1000.0",
+            "-p",
+            "lockstep:=true",
+        ],
+    )
+    robot = Robot(ros_context)
+    robot.answer()
+    robot.until(
+        lambda: (
+            robot._transitions.get_subscription_count() > 0
+            and robot._references.get_subscription_count() > 0
+            and robot._states.get_subscription_count() > 0
+            and len(robot.matrices) > 0
+        ),
+        robot.publish,
+    )
+    yield robot
+    robot.node.destroy_node()
+
+
+BAD_REQUESTS: list[tuple[dict[str, Any], list[str]]] = [
+    ({"tasks": ["elbow", "posture"], "alpha": [0.0, 1.0, 0.0]}, ["size 3 given", "4 expected"]),
+    ({"tasks": ["wrist"], "alpha": [0.0]}, ["unknown task 'wrist'", "end_effector, elbow, post"]),
+    ({"hierarchy": "elbow > wrist"}, ["unknown task 'wrist'", "end_effector, elbow, posture"]),
+    ({"tasks": ["elbow"], "alpha": [float("nan")]}, ["nan given", "[0, 1] expected"]),
+    ({"tasks": ["elbow", "posture"], "alpha": [0.0, 1.5, 0.0, 0.0]}, ["1.5", "[0, 1]"]),
+    ({"hierarchy": "elbow > posture", "duration": -1.0}, ["duration = -1.0", "at least 0"]),
+    ({"hierarchy": "elbow >> posture"}, ["malformed", "'a > b = c'"]),
+    ({"hierarchy": "elbow", "profile": "square"}, ["square", "cosine, linear, minimum_jerk"]),
+    ({}, ["neither hierarchy nor tasks", "end_effector > elbow > posture"]),
+    ({"hierarchy": "elbow", "tasks": ["elbow"], "alpha": [0.0]}, ["both", "one of them"]),
+    (
+        {"tasks": ["end_effector", "elbow", "posture"], "alpha": [1.0] * 9},
+        ["13b", "smallest singular value", "end_effector, elbow, posture"],
+    ),
+]
+
+
+def test_bad_transitions_are_refused_and_the_loop_goes_on(robot: Robot) -> None:
+    """REJECTED with what was given, expected and exists; the next state is answered as before."""
+    before = robot.step()
+    for number, (fields, words) in enumerate(BAD_REQUESTS):
+        (status,) = robot.ask(id=f"bad {number}", **fields)
+        assert status.status == TransitionStatus.REJECTED
+        assert status.id == f"bad {number}"
+        for word in words:
+            assert word in status.reason
+        assert np.allclose(robot.step().effort, before.effort, atol=1e-9)
+    name = "rejected_ghc/priority_transition"
+    robot.until(lambda: robot.count(name) == len(BAD_REQUESTS), robot.step)
+    assert robot.matrices[-1].hierarchy == "end_effector > elbow > posture"
+
+
+def test_late_request_is_refused_in_lockstep(robot: Robot) -> None:
+    """A start that has passed would make the run depend on the arrival."""
+    robot.time = 1.0
+    robot.answer()
+    message = {"hierarchy": "elbow > posture", "duration": 1.0}
+    late = PriorityTransition(**message)
+    late.header.stamp = time_from_seconds(0.5)
+    (status,) = robot.ask(header=late.header, **message)
+    assert status.status == TransitionStatus.REJECTED
+    assert "start 0.5 s given" in status.reason
+
+
+def test_transition_by_stamp_runs_and_reports(robot: Robot) -> None:
+    """ACCEPTED before its time, ACTIVE and DONE at their times, alpha of eq. 15 in between."""
+    request = PriorityTransition(hierarchy="elbow > end_effector > posture", duration=0.02)
+    request.header.stamp = time_from_seconds(0.01)
+    statuses = robot.ask(
+        id="swap", header=request.header, hierarchy=request.hierarchy, duration=request.duration
+    )
+    assert statuses[0].status == TransitionStatus.ACCEPTED
+    for _ in range(35):
+        robot.step()
+    robot.until(lambda: robot.statuses[-1].status == TransitionStatus.DONE, robot.publish)
+    seen = [(status.status, _seconds(status.header.stamp)) for status in robot.statuses]
+    assert seen[1:] == [(TransitionStatus.ACTIVE, 0.01), (TransitionStatus.DONE, 0.03)]
+    halfway = [s for s in robot.states if _seconds(s.header.stamp) == 0.02]
+    assert halfway
+    assert np.isclose(halfway[0].alpha[1], 0.5, atol=1e-9)
+
+
+def test_repeat_of_the_target_changes_nothing(robot: Robot) -> None:
+    """`ros2 topic pub` without --once: accepted, done, no ramp."""
+    robot.step()
+    count = len(robot.statuses)
+    robot.ask(hierarchy="end_effector > elbow > posture", duration=2.0)
+    robot.until(lambda: len(robot.statuses) >= count + 2)
+    assert [s.status for s in robot.statuses[count:]] == [
+        TransitionStatus.ACCEPTED,
+        TransitionStatus.DONE,
+    ]
+    assert not robot.matrices[-1].in_transition
+
+
+BAD_STATES: list[tuple[str, Any, str]] = [
+    ("position", [*HOME[:6], NAN], "joint_states.position"),
+    ("velocity", [float("inf")] + [0.0] * 6, "joint_states.velocity"),
+    ("position", HOME[:5], "joint_states.position"),
+    ("name", [*JOINTS[:6], "gripper"], "joint_states.name"),
+    ("frame_id", "base", "joint_states.frame_id"),
+]
+
+
+def test_bad_states_are_not_answered(robot: Robot) -> None:
+    """A malformed state is dropped and counted by field; the next good one is answered."""
+    for field, value, counter in BAD_STATES:
+        robot.step()
+        before = robot.count(f"rejected_{counter}")
+        robot.time = round(robot.time + STEP, 9)
+        bad_ns = nanoseconds_from_time(time_from_seconds(robot.time))
+        for _ in range(3):
+            robot.publish(**{field: value})
+            time.sleep(0.02)  # the queue holds one state: a later one would replace it
+        robot.time = round(robot.time + STEP, 9)
+        robot.answer()
+        assert bad_ns not in {nanoseconds_from_time(c.header.stamp) for c in robot.commands}
+        name = f"rejected_{counter}"
+        robot.until(partial(_more, robot, name, before), robot.step)
+
+
+def test_repeated_state_same_command(robot: Robot) -> None:
+    """The state's stamp is its sequence number; an older one is not answered."""
+    robot.step()
+    robot.step()
+    first = robot.commands[-1]
+    count = len(robot.commands)
+    robot.until(lambda: len(robot.commands) > count, robot.publish)
+    assert list(robot.commands[-1].effort) == list(first.effort)
+    now, robot.time = robot.time, 0.0
+    for _ in range(5):
+        robot.publish()
+    robot.time = now
+    robot.step()
+    stamps = [nanoseconds_from_time(c.header.stamp) for c in robot.commands[count:]]
+    assert 0 not in stamps
+
+
+def test_new_epoch_starts_afresh(robot: Robot) -> None:
+    """After a reset time may run backwards; transitions of the past are gone."""
+    robot.time = 5.0
+    robot.answer()
+    robot.ask(hierarchy="posture", duration=0.0)
+    robot.step()
+    robot.until(lambda: robot.matrices[-1].hierarchy == "posture", robot.publish)
+    robot.time = 0.0
+    robot.answer(frame_id="1")
+    robot.until(
+        lambda: robot.matrices[-1].hierarchy == "end_effector > elbow > posture",
+        lambda: robot.publish(frame_id="1"),
+    )
+
+
+def test_references(robot: Robot) -> None:
+    """A good reference moves the target; bad ones are refused and counted."""
+    robot.step()
+    good = TaskReference(task="end_effector")
+    good.points = [TaskReferencePoint(position=[0.4, 0.1, 0.5])]
+    robot.refer(good)
+    robot.until(lambda: _reference(robot) == [0.4, 0.1, 0.5], robot.step)
+    bad = [
+        TaskReference(task="wrist", points=good.points),
+        TaskReference(task="end_effector"),
+        TaskReference(task="end_effector", points=[TaskReferencePoint(position=[0.4, 0.1])]),
+        TaskReference(
+            task="elbow", points=[TaskReferencePoint(position=[0.4, 0.1, float("nan")])]
+        ),
+        TaskReference(task="elbow", joints=JOINTS, points=good.points),
+    ]
+    for message in bad:
+        robot.refer(message)
+    robot.until(lambda: robot.count("rejected_ghc/task_reference") == len(bad), robot.step)
+    assert _reference(robot) == [0.4, 0.1, 0.5]
+
+
+def test_torque_stays_inside_rate_and_limits(robot: Robot) -> None:
+    """A target far away: no command steps by more than 1 Nm per ms from the applied torque."""
+    far = TaskReference(task="end_effector")
+    far.points = [TaskReferencePoint(position=[50.0, -50.0, 50.0])]
+    robot.step()
+    robot.refer(far)
+    applied = [0.0] * 7
+    for _ in range(100):
+        command = list(robot.step(effort=applied).effort)
+        assert np.abs(np.subtract(command, applied)).max() <= 1.0 + 1e-9
+        assert (np.abs(command) <= [176, 176, 100, 100, 100, 38, 38]).all()
+        applied = command
+
+
+BAD_PARAMETERS: list[tuple[str, list[str]]] = [
+    ("-p robot:=pr2", ["unknown robot 'pr2'", "kuka_lwr"]),
+    ("-p robot:=/nowhere/robot.yaml", ["/nowhere/robot.yaml"]),
+    ("-p robot:=kuka_lwr -p formulation:=sot", ["unknown formulation 'sot'", "balanced"]),
+    ("-p robot:=kuka_lwr -p qp_solver:=osqp", ["unknown QP solver 'osqp'", "daqp, proxqp"]),
+    ("-p robot:=kuka_lwr -p control_dt:=-1.0", ["control_dt", "above 0"]),
+    ("-p robot:=kuka_lwr -p hierarchy:='a > b'", ["unknown task 'a'", "end_effector"]),
+    ("-p robot:=kuka_lwr -p speed:=1.0", ["unknown parameter 'speed'", "formulation"]),
+    ("-p robot:=kuka_lwr -p velocity_limit:=fast", ["velocity_limit", "a number expected"]),
+]
+
+
+def test_bad_parameters_end_with_one_line(start_node: Callable[..., Any]) -> None:
+    """One clear line on stderr, exit code 2, no traceback."""
+    for arguments, words in BAD_PARAMETERS:
+        node = start_node("ghc_controller", "controller", "--ros-args", *shlex.split(arguments))
+        assert node.wait(30.0) == 2
+        assert "Traceback" not in node.output
+        assert len(node.output.strip().splitlines()) == 1
+        for word in words:
+            assert word in node.output
+
+
+def _more(robot: Robot, name: str, than: int) -> bool:
+    return robot.count(name) > than
+
+
+def _seconds(stamp: Time) -> float:
+    return round(nanoseconds_from_time(stamp) * 1e-9, 9)
+
+
+def _reference(robot: Robot) -> list[float]:
+    return [round(value, 9) for value in robot.states[-1].tasks[0].reference]
