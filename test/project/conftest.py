@@ -8,7 +8,7 @@ import pytest
 from setup_doubles import FakeMachine, FakeRunner, touch
 
 from tools.workspace.layout import Layout, Way
-from tools.workspace.steps import Context
+from tools.workspace.step import Context
 
 
 @pytest.fixture

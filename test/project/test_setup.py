@@ -18,7 +18,7 @@ from tools.workspace.layout import Layout, Way
 from tools.workspace.machine import Machine
 from tools.workspace.run import Runner
 from tools.workspace.stamps import Stamp, files_below, key_of
-from tools.workspace.steps import Context, Messages, Packages, PythonPackages, VirtualEnvironment
+from tools.workspace.step import Context
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -65,6 +65,18 @@ def test_an_interrupted_set_up_goes_on(context: Context, word: str, rest: list[s
     context.run.kinds()
     assert _ran(context) == rest
     assert _ran(context) == []
+
+
+def test_a_half_installed_package_is_installed_again(context: Context) -> None:
+    """The installer takes a package for installed as soon as its metadata is there."""
+    packages = context.layout.venv / "lib" / "python3.12" / "site-packages"
+    _ran(context)
+    touch(packages / "whole-1.dist-info" / "METADATA")
+    touch(packages / "whole-1.dist-info" / "RECORD")
+    touch(packages / "half-1.dist-info" / "METADATA")
+    touch(context.layout.lock(Way.WHEELS, (3, 12)), "other versions")
+    _ran(context)
+    assert [path.name for path in packages.iterdir()] == ["whole-1.dist-info"]
 
 
 @pytest.mark.parametrize("gone", ["build", "install"])
@@ -138,8 +150,7 @@ def test_this_workspace_is_up_to_date_in_a_moment() -> None:
     context = Context(
         Layout(ROOT), checks.choose_way(Machine()), Machine(), Runner(ROOT), os.environ
     )
-    kinds = (VirtualEnvironment, Packages, Messages, PythonPackages)
-    assert [kind.title for kind in kinds if not kind(context).is_done()] == []
+    assert [kind.title for kind in program.STEPS if not kind(context).is_done()] == []
     started = time.monotonic()
     run = subprocess.run(
         [sys.executable, "-m", "tools.workspace"],

@@ -13,7 +13,7 @@ from tools.workspace.environment import step_environment, uv_settings
 from tools.workspace.errors import SetupError
 from tools.workspace.layout import Layout, Way
 from tools.workspace.machine import Interpreter
-from tools.workspace.steps import Context
+from tools.workspace.step import Context
 
 
 @pytest.mark.parametrize(

@@ -10,18 +10,15 @@ import time
 from pathlib import Path
 
 from tools.workspace import checks
+from tools.workspace.build_steps import Messages, PythonPackages
+from tools.workspace.environment_steps import Packages, VirtualEnvironment
 from tools.workspace.errors import SetupError
 from tools.workspace.layout import Layout, Way
 from tools.workspace.machine import Machine
 from tools.workspace.run import Runner
-from tools.workspace.steps import (
-    Context,
-    Messages,
-    Packages,
-    PythonPackages,
-    Step,
-    VirtualEnvironment,
-)
+from tools.workspace.step import Context, Step
+
+STEPS = (VirtualEnvironment, Packages, Messages, PythonPackages)
 
 INTERRUPTED = 130  # exit code that shells give to a command ended by SIGINT
 
@@ -30,9 +27,8 @@ def set_up(context: Context) -> int:
     """Run the steps whose inputs changed; return how many ran."""
     layout = context.layout
     checks.check_sources([layout.uv_lock, layout.wheel_includes])
-    kinds = (VirtualEnvironment, Packages, Messages, PythonPackages)
-    steps: list[Step] = [kind(context) for kind in kinds]
-    if not steps[2].outputs()[0].exists():
+    steps: list[Step] = [kind(context) for kind in STEPS]
+    if not layout.install.exists():
         checks.check_compiler(context.machine)  # told now, and not after a gigabyte of packages
     count = 0
     for number, step in enumerate(steps, start=1):

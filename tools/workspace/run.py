@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tools.workspace.errors import SetupError
+
+_INTERRUPTED = (128 + signal.SIGINT, -signal.SIGINT)  # a command that took note, one that did not
 
 
 class Runner:
@@ -20,6 +23,8 @@ class Runner:
     ) -> None:
         """Run a command; raise SetupError with the complaint when it fails."""
         code = subprocess.run(command, env=environment, cwd=self._folder, check=False).returncode
+        if code in _INTERRUPTED:
+            raise KeyboardInterrupt
         if code != 0:
             raise SetupError(f"{complaint} (`{Path(command[0]).name}` ended with {code})")
 
