@@ -1,0 +1,141 @@
+"""The installed bridge by the wall clock: it holds the arm whenever nobody controls it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from bridge_client import ROBOT, BridgeClient, GravityModel, answer
+
+from ghc_sim_bridge.full_rate_log import FullRateLog, Source
+from ghc_sim_bridge.processes import NodeProcess
+from ghc_sim_bridge.ros_conversions import nanoseconds_from_time
+
+RATE_LIMIT = 1000.0  # [Nm/s]
+CONTROLLER = Path(__file__).with_name("bridge_client.py")
+
+
+@pytest.fixture
+def start_controller(ros_domain_id: int, tmp_path: Path) -> Iterator[Callable[[], NodeProcess]]:
+    """Start a controller that swings the arm, as a process."""
+    running: list[NodeProcess] = []
+
+    def start() -> NodeProcess:
+        name = f"swing_{len(running)}"
+        command = [sys.executable, str(CONTROLLER), "swing"]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+        running.append(NodeProcess(name, command, tmp_path / f"{name}.log", environment))
+        return running[-1]
+
+    yield start
+    for process in running:
+        process.send(signal.SIGKILL)
+        process.wait(time.monotonic() + 5.0)
+
+
+@pytest.fixture
+def client(ros_context: Any) -> Iterator[BridgeClient]:
+    """A reader on the test's own domain."""
+    partner = BridgeClient(ros_context)
+    yield partner
+    partner.close()
+
+
+def _parameters(**values: object) -> list[str]:
+    values = {"scene": ROBOT, "mode": "realtime"} | values
+    return ["--ros-args", *(f for k, v in values.items() for f in ("-p", f"{k}:={v}"))]
+
+
+def _speed(client: BridgeClient) -> float:
+    return float(np.abs(client.next_state().velocity).max())
+
+
+def test_time_follows_the_wall_clock_and_the_arm_is_held(
+    start_node: Callable[..., Any], client: BridgeClient
+) -> None:
+    start_node("ghc_sim_bridge", "sim_bridge", *_parameters())
+    first = client.connected_state()
+    began = time.monotonic()
+    client.spin(1.5)
+    last = client.next_state()
+    wall = time.monotonic() - began
+    simulated = 1e-9 * (
+        nanoseconds_from_time(last.header.stamp) - nanoseconds_from_time(first.header.stamp)
+    )
+    # Never ahead; behind only as far as a busy machine makes it drop periods.
+    assert simulated < wall + 0.05
+    assert simulated > 0.3 * wall
+    np.testing.assert_allclose(last.position, first.position, atol=1e-9)
+
+
+def test_killed_controller_and_the_next_one(
+    start_node: Callable[..., Any],
+    start_controller: Callable[[], NodeProcess],
+    client: BridgeClient,
+    tmp_path: Path,
+) -> None:
+    """The arm comes to rest, and neither kill nor take-over is a jump of the torque."""
+    file = tmp_path / "log.npz"
+    bridge = start_node(
+        "ghc_sim_bridge", "sim_bridge",
+        *_parameters(log_file=file, torque_rate_limit=RATE_LIMIT, watchdog_timeout=0.05),
+    )  # fmt: skip
+    client.connected_state()
+    for _ in range(2):
+        controller = start_controller()
+        client.until(lambda: _speed(client) > 0.2, "a moving arm")
+        controller.send(signal.SIGKILL)
+        client.spin(1.0)
+        assert _speed(client) < 0.5
+        client.until(lambda: _speed(client) < 1e-3, "an arm at rest", timeout=5.0)
+        client.until(lambda: client.diagnostics.get("holding") == "True", "'holding'")
+    assert bridge.stop() == 0
+    log = FullRateLog.load(file)
+    np.testing.assert_allclose(np.diff(log.time), 1e-3, atol=1e-9)
+    assert np.abs(np.diff(log.torque, axis=0)).max() <= RATE_LIMIT * log.control_dt + 1e-9
+    held = log.source == Source.HOLD
+    changes = np.flatnonzero(np.diff(held.astype(int)))
+    assert held[0] and held[-1]
+    assert len(changes) >= 4, "held, driven, held, driven, held"
+
+
+def test_commands_for_old_states_do_not_wake_the_arm(
+    start_node: Callable[..., Any], client: BridgeClient
+) -> None:
+    start_node("ghc_sim_bridge", "sim_bridge", *_parameters())
+    first = client.connected_state()
+    client.until(
+        lambda: (
+            nanoseconds_from_time(client.next_state().header.stamp)
+            > nanoseconds_from_time(first.header.stamp) + 100_000_000
+        ),
+        "a state 0.1 s later",
+    )
+    torque = GravityModel().hold(first) + 20.0
+    for _ in range(20):
+        client.commands.publish(answer(first, torque))
+        client.spin(0.01)
+    client.counted("stale", 1)
+    assert _speed(client) < 1e-6
+
+
+def test_pause_stops_time_and_resume_holds(
+    start_node: Callable[..., Any], client: BridgeClient
+) -> None:
+    start_node("ghc_sim_bridge", "sim_bridge", *_parameters())
+    client.connected_state()
+    client.pause(True)
+    stamp = client.next_state().header.stamp
+    client.spin(0.5)
+    assert client.next_state().header.stamp == stamp
+    client.pause(False)
+    client.until(lambda: client.next_state().header.stamp != stamp, "time to go on")
+    assert client.reset() == "epoch 1"
+    client.until(lambda: client.next_state().header.frame_id == "1", "a state of epoch 1")

@@ -1,0 +1,206 @@
+"""The recorder's file: every topic and type, readable without ROS, closed in order."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from bridge_client import ROBOT, BridgeClient, GravityModel
+from geometry_msgs.msg import WrenchStamped
+from ghc_msgs.msg import ControllerState, NamedCount, PriorityMatrix, PriorityTransition, TaskState
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from ghc_sim_bridge.message_schema import message_schema
+from ghc_sim_bridge.recorder_node import is_fast
+from ghc_sim_bridge.ros_conversions import CONTROL_PUBLISHER_QOS, time_from_nanoseconds
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+STEPS = 100  # [-] control periods of 1 ms
+
+
+@pytest.fixture
+def client(ros_context: Any) -> Iterator[BridgeClient]:
+    """The bridge's partner on the test's own domain."""
+    partner = BridgeClient(ros_context)
+    yield partner
+    partner.close()
+
+
+class Recording:
+    """What a file holds, decoded by its own schemas."""
+
+    def __init__(self, path: Path) -> None:
+        with path.open("rb") as file:
+            reader = make_reader(file, decoder_factories=[DecoderFactory()])
+            self.profile = reader.get_header().profile
+            self.messages: dict[str, list[Any]] = {}
+            self.types: dict[str, str] = {}
+            self.log_times: dict[str, list[int]] = {}
+            for schema, channel, message, decoded in reader.iter_decoded_messages():
+                self.types[channel.topic] = schema.name
+                self.messages.setdefault(channel.topic, []).append(decoded)
+                self.log_times.setdefault(channel.topic, []).append(message.log_time)
+
+    def stamps(self, topic: str) -> list[int]:
+        """Stamps [ns] of a topic."""
+        headers = [message.header.stamp for message in self.messages[topic]]
+        return [stamp.sec * 1_000_000_000 + stamp.nanosec for stamp in headers]
+
+
+def _start(start_node: Callable[..., Any], executable: str, **parameters: object) -> Any:
+    pairs = [part for k, v in parameters.items() for part in ("-p", f"{k}:={v}")]
+    return start_node("ghc_sim_bridge", executable, "--ros-args", *pairs)
+
+
+def _readers(client: BridgeClient, topic: str) -> int:
+    return int(client.node.count_subscribers(topic))
+
+
+def _record_a_walk(
+    start_node: Callable[..., Any], client: BridgeClient, path: Path, mode: str
+) -> Recording:
+    """A walk of the arm, with messages of the stack's own types, under the recorder's eyes."""
+    node = client.node
+    matrix = node.create_publisher(PriorityMatrix, "ghc/priority_matrix", LATCHED)
+    matrix.publish(PriorityMatrix(tasks=["a", "b"], alpha=[0.0, 1.0, 0.0, 0.0], hierarchy="b > a"))
+    transition = node.create_publisher(PriorityTransition, "ghc/priority_transition", 10)
+    state = node.create_publisher(ControllerState, "ghc/controller_state", 10)
+    wrench = node.create_publisher(WrenchStamped, "contacts/extra", CONTROL_PUBLISHER_QOS)
+    recorder = _start(start_node, "recorder", output=path, record_mode=mode)
+    lossless = "true" if mode == "full" else "false"
+    _start(start_node, "sim_bridge", scene=ROBOT, lossless=lossless)
+    for topic, readers in (
+        ("ghc/priority_transition", 1), ("ghc/controller_state", 1), ("contacts/extra", 1),
+        ("joint_commands", 2), ("joint_states", 2), ("/clock", 1), ("/diagnostics", 2),
+    ):  # fmt: skip
+        client.until(lambda: _readers(client, topic) >= readers, f"readers of {topic}")  # noqa: B023
+    model = GravityModel()
+    robot = client.connected_state()
+    for k in range(STEPS):
+        stamp = robot.header.stamp
+        report = ControllerState(formulation="balanced", alpha=[0.5, 0.5, 0.5, 0.5])
+        report.header.stamp = stamp
+        report.tasks = [TaskState(name="a", error=[0.1 * k, 0.0, 0.0], error_norm=0.1 * k)]
+        report.counts = [NamedCount(name="qp_failures", count=k)]
+        state.publish(report)
+        push = WrenchStamped()
+        push.header.stamp = stamp
+        push.wrench.force.z = float(k)
+        wrench.publish(push)
+        transition.publish(PriorityTransition(id=str(k), hierarchy="a > b", duration=2.0))
+        robot = client.step(robot, model.swing(robot))
+    client.diagnostics.clear()
+    client.until(lambda: client.diagnostics, "the diagnostics")
+    client.spin(0.3)
+    recorder.send(signal.SIGINT)
+    assert recorder.wait() == 0
+    assert "Traceback" not in recorder.output
+    return Recording(path)
+
+
+def test_decimated_recording(
+    start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
+) -> None:
+    recording = _record_a_walk(start_node, client, tmp_path / "new" / "run.mcap", "decimated")
+    assert recording.profile == "ros2"
+    expected = {
+        "/clock": "rosgraph_msgs/msg/Clock",
+        "/contacts/extra": "geometry_msgs/msg/WrenchStamped",
+        "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+        "/ghc/controller_state": "ghc_msgs/msg/ControllerState",
+        "/ghc/priority_matrix": "ghc_msgs/msg/PriorityMatrix",
+        "/ghc/priority_transition": "ghc_msgs/msg/PriorityTransition",
+        "/joint_commands": "sensor_msgs/msg/JointState",
+        "/joint_states": "sensor_msgs/msg/JointState",
+    }
+    assert {topic: recording.types.get(topic) for topic in expected} == expected
+    transitions = recording.messages["/ghc/priority_transition"]
+    assert [message.id for message in transitions] == [str(k) for k in range(STEPS)]
+    (matrix,) = recording.messages["/ghc/priority_matrix"]
+    assert (matrix.hierarchy, list(matrix.alpha)) == ("b > a", [0.0, 1.0, 0.0, 0.0])
+    for topic in ("/joint_states", "/joint_commands", "/ghc/controller_state", "/contacts/extra"):
+        grid = [stamp for stamp in recording.stamps(topic) if stamp % 10_000_000 == 0]
+        assert recording.stamps(topic) == grid, "one message per 10 ms, on the grid"
+        assert len(grid) >= STEPS // 10 - 1
+    report = recording.messages["/ghc/controller_state"][-1]
+    assert report.tasks[0].error_norm == pytest.approx(0.1 * report.counts[0].count)
+    assert max(recording.log_times["/ghc/priority_transition"]) <= STEPS * 1_000_000
+    assert list((tmp_path / "new").iterdir()) == [tmp_path / "new" / "run.mcap"]
+
+
+def test_full_recording_has_every_message(
+    start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
+) -> None:
+    recording = _record_a_walk(start_node, client, tmp_path / "run.mcap", "full")
+    steps = [k * 1_000_000 for k in range(STEPS + 1)]
+    assert sorted(set(recording.stamps("/joint_states"))) == steps
+    assert recording.stamps("/joint_commands") == steps[:-1]
+    walked = {
+        stamp: np.array(message.position)
+        for stamp, message in zip(
+            recording.stamps("/joint_states"), recording.messages["/joint_states"], strict=True
+        )
+    }
+    assert np.abs(walked[steps[-1]] - walked[0]).max() > 1e-4
+
+
+def test_recording_without_a_clock_runs_on_wall_time(
+    start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
+) -> None:
+    recorder = _start(start_node, "recorder", output=tmp_path / "run.mcap")
+    transition = client.node.create_publisher(PriorityTransition, "ghc/priority_transition", 10)
+    client.until(lambda: transition.get_subscription_count() > 0, "the recorder")
+    now = client.node.get_clock().now().nanoseconds
+    message = PriorityTransition(id="by hand")
+    message.header.stamp = time_from_nanoseconds(now)
+    transition.publish(message)
+    client.spin(0.3)
+    assert recorder.stop() == 0
+    (log_time,) = Recording(tmp_path / "run.mcap").log_times["/ghc/priority_transition"]
+    assert 0 <= log_time - now < 30_000_000_000
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({}, ["'output'", "is needed"]),
+        ({"output": "/dev/null/run.mcap"}, ["/dev/null"]),
+        ({"output": "run.mcap", "record_mode": "some"}, ["'record_mode'", "decimated, full"]),
+    ],
+)
+def test_what_cannot_be_used_is_one_clear_line(
+    start_node: Callable[..., Any], parameters: dict[str, str], words: list[str]
+) -> None:
+    recorder = _start(start_node, "recorder", **parameters)
+    assert recorder.wait(20.0) == 2
+    (line,) = recorder.output.strip().splitlines()
+    assert all(word in line for word in ["recorder: ", *words])
+
+
+def test_schema_holds_every_inner_message_once() -> None:
+    schema = message_schema("ghc_msgs/msg/ControllerState")
+    inner = [line for line in schema.splitlines() if line.startswith("MSG: ")]
+    assert sorted(inner) == [
+        "MSG: builtin_interfaces/Time",
+        "MSG: ghc_msgs/NamedCount",
+        "MSG: ghc_msgs/TaskState",
+        "MSG: std_msgs/Header",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("topic", "fast"),
+    [
+        ("/joint_states", True), ("/left/joint_commands", True), ("/clock", True),
+        ("/contacts/tool", True), ("/left/contacts/tool", True), ("/ghc/controller_state", True),
+        ("/ghc/priority_matrix", False), ("/contacts", False), ("/diagnostics", False),
+    ],
+)  # fmt: skip
+def test_fast_topics_are_known_by_name(topic: str, fast: bool) -> None:
+    assert is_fast(topic) is fast
