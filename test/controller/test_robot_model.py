@@ -149,6 +149,21 @@ def test_dynamics_survive_the_next_update_and_frames_do_not() -> None:
     assert position is model.frame_position(frame)
 
 
+def test_an_exerted_force_joins_the_bias_until_the_next_update() -> None:
+    """Calls of one name replace each other, those of two names add up; update forgets them."""
+    model, state = make_model("kuka_lwr"), random_state("kuka_lwr", np.random.default_rng(9))
+    free = model.update(state.q, state.v)
+    jacobian = model.frame_jacobian(model.frame_id("tool"))[:3]
+    force = np.array([1.0, -2.0, 3.0])
+    for _ in range(2):
+        model.exert("hand", jacobian, force)
+    assert np.allclose(model.dynamics.bias, free.bias + jacobian.T @ force, atol=1e-12)
+    model.exert("other", jacobian, force)
+    assert np.allclose(model.dynamics.bias, free.bias + 2.0 * jacobian.T @ force, atol=1e-12)
+    assert np.array_equal(model.update(state.q, state.v).bias, free.bias)
+    assert model.dynamics.bias.tolist() == free.bias.tolist()
+
+
 def test_names_and_limits_of_the_lwr() -> None:
     """Seven joints in order, the frames of the tasks, and finite limits."""
     model = make_model("kuka_lwr")
@@ -173,21 +188,21 @@ def test_a_floating_base_is_recognised() -> None:
 def test_errors_name_what_is_wrong(tmp_path: Path) -> None:
     """Unknown frame, wrong sizes, missing and unreadable files, unsupported joints."""
     model = make_model("kuka_lwr")
-    with pytest.raises(UnknownName, match="unknown frame 'hand'; known: .*elbow.*tool"):
+    with pytest.raises(UnknownName, match=r"unknown frame 'hand'; known: .*elbow.*tool"):
         model.frame_id("hand")
-    with pytest.raises(UnknownName, match="unknown joint 'joint_8'; known: joint_1, "):
+    with pytest.raises(UnknownName, match=r"unknown joint 'joint_8'; known: joint_1, "):
         model.joint_index("joint_8")
     with pytest.raises(WrongSize, match=r"q: size \(3,\) given, \(7,\) expected"):
         model.update(np.zeros(3), np.zeros(7))
-    with pytest.raises(ConfigurationError, match="nowhere.urdf: robot model does not exist"):
+    with pytest.raises(ConfigurationError, match=r"nowhere.urdf: robot model does not exist"):
         RobotModel.from_urdf(tmp_path / "nowhere.urdf")
     broken = tmp_path / "broken.urdf"
     broken.write_text("<robot")
-    with pytest.raises(ConfigurationError, match="broken.urdf: not a readable URDF"):
+    with pytest.raises(ConfigurationError, match=r"broken.urdf: not a readable URDF"):
         RobotModel.from_urdf(broken)
     wheel = tmp_path / "wheel.urdf"
     wheel.write_text(ONE_JOINT.format(kind="continuous"))
-    with pytest.raises(ConfigurationError, match="wheel.urdf: joint 'hinge' has several"):
+    with pytest.raises(ConfigurationError, match=r"wheel.urdf: joint 'hinge' has several"):
         RobotModel.from_urdf(wheel)
 
 

@@ -182,7 +182,7 @@ def test_gains_may_differ_per_row() -> None:
 def test_errors_name_the_task_the_field_and_what_was_expected() -> None:
     """Wrong gains, frames and targets are refused where they enter."""
     model = make_model("kuka_lwr")
-    with pytest.raises(UnknownName, match="unknown frame 'fist'; known: "):
+    with pytest.raises(UnknownName, match=r"unknown frame 'fist'; known: "):
         FramePositionTask("hand", model, "fist", STIFFNESS, DAMPING)
     with pytest.raises(InvalidValue, match=r"task 'hand', stiffness: \[-1.0, -1.0, -1.0\] given"):
         FramePositionTask("hand", model, "tool", -1.0, DAMPING)
@@ -191,9 +191,9 @@ def test_errors_name_the_task_the_field_and_what_was_expected() -> None:
     task = FramePoseTask("hand", model, "tool", STIFFNESS, DAMPING)
     with pytest.raises(WrongSize, match=r"task 'hand', position: size \(6,\) given, \(7,\)"):
         task.static_target(np.zeros(6))
-    with pytest.raises(InvalidValue, match="task 'hand', position: quaternion of length 0 given"):
+    with pytest.raises(InvalidValue, match=r"task 'hand', position: quaternion of length 0 given"):
         task.static_target(np.zeros(7))
-    with pytest.raises(InvalidValue, match="task 'hand', position: .* finite numbers expected"):
+    with pytest.raises(InvalidValue, match=r"task 'hand', position: .* finite numbers expected"):
         task.static_target(np.full(7, np.nan))
 
 

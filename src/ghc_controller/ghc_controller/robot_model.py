@@ -28,7 +28,7 @@ class RobotModel:
         joint_names: actuated joints, in the order of the last `na` entries of q and v.
         nq, nv, na: sizes of q, v and torque; n = nv in shapes.
         limits: JointLimits; also as position_lower, position_upper, velocity_limit, torque_limit.
-        dynamics: Dynamics of the last update.
+        dynamics: Dynamics of the last update; with the contact forces told to `exert` since.
         q, v: state of the last update, (nq,) and (n,).
     """
 
@@ -67,7 +67,8 @@ class RobotModel:
         self._gravity_vector = np.array(model.gravity.linear)
         self._gravity: Array | None = None
         self._com_is_current = False
-        self.dynamics = self.update(self.q, self.v)
+        self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
+        self.dynamics = self._free_dynamics = self.update(self.q, self.v)
 
     @classmethod
     def from_urdf(
@@ -116,8 +117,26 @@ class RobotModel:
         self._frames.compute()
         self._gravity = None
         self._com_is_current = False
-        self.dynamics = Dynamics(mass_matrix, bias)
+        self._exerted.clear()
+        self._free_dynamics = self.dynamics = Dynamics(mass_matrix, bias)
         return self.dynamics
+
+    def exert(self, name: str, jacobian: Array, force: Array) -> None:
+        """Account for a force on the surroundings in `self.dynamics` until the next update.
+
+        In eq. 1, M dv + h = S^T tau + Jc^T w_c, the contact wrench w_c = -force is known and moves
+        to the left: `dynamics.bias` becomes h + J^T force. Torque from inverse dynamics then
+        carries the force, and dv stays the acceleration that the robot really gets in contact.
+        The Dynamics that `update` returned are not changed.
+
+        Args:
+            name: who exerts it, such as a task; a second call of the same name replaces the first.
+            jacobian: (r, n) of the points and directions of the force.
+            force: (r,) [N] or [Nm] of the robot on its surroundings.
+        """
+        self._exerted[name] = force @ jacobian
+        free = self._free_dynamics
+        self.dynamics = Dynamics(free.mass_matrix, sum(self._exerted.values(), free.bias))
 
     @property
     def frame_names(self) -> tuple[str, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from ghc_controller.config import Fields
@@ -27,19 +26,26 @@ class ForceState:
 
 
 class ForceControl:
-    """Decides when the chosen rows follow a force, and turns that force into accelerations.
+    """Decides when the chosen rows follow a force, and turns that force into rows and torque.
 
     With f_ref = target.wrench, the force to be exerted on the surroundings, and f_meas = minus
     the measured wrench (that of the surroundings on the robot),
 
         w_d = f_ref + proportional (f_ref - f_meas) + integral * int (f_ref - f_meas) dt
 
-    on the force rows and zero on the others, and eq. 3 gives xi''_d = Lambda^-1 w_d with
-    Lambda^-1 = J M^-1 J^T over all rows of the task. The term is added to the motion rows as
-    well, not to the force rows alone: the contact force acts on the arm with -Lambda^-1 w_d in
-    every row that the inertia couples to the normal, which the computed torque does not know of.
-    Adding Lambda^-1 w_d everywhere cancels it, so that holding a force on a frictionless plane
-    leaves no steady position error along the plane.
+    on the force rows and zero on the others. Eq. 3 asks for the acceleration
+    xi''_d = Lambda^-1 w_d, Lambda^-1 = J M^-1 J^T. It enters all rows of the task, the motion
+    rows as well: the surroundings answer with -w_d, which accelerates every row by -Lambda^-1 w_d,
+    and only the sum of both leaves the motion rows to their own law, without a steady error
+    along a frictionless plane.
+
+    The same holds beyond the task. The answer of the surroundings accelerates the joints by
+    -M^-1 J^T w_d, also in the null space of J, where rows J dv -> Lambda^-1 w_d alone leave it
+    uncompensated (hundreds of rad/s^2 on a light wrist: the arm folds within half a second).
+    Eq. 3 is therefore met by a torque J^T w_d (RobotModel.exert), which is Lambda^-1 w_d in the
+    rows of this task, M^-1 J^T w_d in every joint, and cancels the answer in all of them. What
+    is left for the force rows is not to move: J dv -> -J' v - damping xi'. Lower and higher tasks
+    are then not disturbed by a force that is reached.
 
     The rows turn to force control when the target has a wrench and the force measured along
     them exceeds `threshold`, and back to motion control when it falls below `release`, the
@@ -136,7 +142,7 @@ class ForceControl:
         target: TaskTarget,
         out: TaskRows,
     ) -> int:
-        """Change motion rows in `out` into hybrid rows while in contact.
+        """Change motion rows in `out` into hybrid rows and exert the force, while in contact.
 
         Args:
             model: updated with `state`.
@@ -158,20 +164,12 @@ class ForceControl:
             self.reset()
             return 0
         wrench_d = self._desired_wrench(state.time, target.wrench, force_error)
-        _hybrid_rows(
-            self.force_rows,
-            self._axes,
-            force_error,
-            wrench_d,
-            model.frame_drift(self._frame_id),
-            model.frame_velocity(self._frame_id),
-            self.damping,
-            model.dynamics.mass_matrix,
-            out.jacobian,
-            out.target,
-            out.error,
-        )
-        return int(self.force_rows.sum())
+        frame, rows = model.frame(self._frame_id), self.force_rows
+        out.error[rows] = force_error[rows]
+        still = -frame.drift[self._axes] - self.damping * frame.velocity[self._axes]
+        out.target[rows] = still[rows]
+        model.exert(f"{self.contact} {self._frame_id}", out.jacobian, wrench_d)
+        return int(rows.sum())
 
     def _in_contact(self, normal_force: float) -> bool:
         if self.state.active:
@@ -194,45 +192,3 @@ class ForceControl:
             wrench += self.integral * memory.integral
         wrench[~self.force_rows] = 0.0
         return wrench
-
-
-@numba.njit(cache=True)
-def _hybrid_rows(
-    force_rows: Array,
-    axes: Array,
-    force_error: Array,
-    wrench: Array,
-    drift: Array,
-    velocity: Array,
-    damping: float,
-    mass_matrix: Array,
-    jacobian: Array,
-    target_out: Array,
-    error_out: Array,
-) -> None:
-    """Mask the motion law on force rows, then add J M^-1 J^T w to every row (eq. 3)."""
-    n = mass_matrix.shape[0]
-    factor = np.empty((n, n))  # lower Cholesky factor of M
-    push = np.zeros(n)  # J^T w, then M^-1 J^T w
-    for i in range(wrench.shape[0]):
-        if force_rows[i]:
-            error_out[i] = force_error[i]
-            target_out[i] = -drift[axes[i]] - damping * velocity[axes[i]]
-            for j in range(n):
-                push[j] += jacobian[i, j] * wrench[i]
-    for i in range(n):
-        for j in range(i + 1):
-            value = mass_matrix[i, j]
-            for k in range(j):
-                value -= factor[i, k] * factor[j, k]
-            factor[i, j] = np.sqrt(value) if i == j else value / factor[j, j]
-        for k in range(i):
-            push[i] -= factor[i, k] * push[k]
-        push[i] /= factor[i, i]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            push[i] -= factor[k, i] * push[k]
-        push[i] /= factor[i, i]
-    for i in range(wrench.shape[0]):
-        for j in range(n):
-            target_out[i] += jacobian[i, j] * push[j]
