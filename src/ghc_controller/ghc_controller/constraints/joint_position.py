@@ -28,7 +28,8 @@ class JointPositionLimit(Constraint):
     a quadratic inequality in x; the lower bound mirrors it. For x > 0 the last term is taken as
     x dt^2, so that a semi-implicit integrator (MuJoCo's) does not overtake the bound either. The
     box always contains clip(-v / dt, -a_brake, a_brake), braking to a stop: it is never empty,
-    and a joint that is already beyond a limit may stop or return but not go on.
+    and a joint that is already beyond a limit may stop or return, as fast as it likes, but not
+    go on.
     """
 
     space = Space.ACCELERATION
@@ -82,7 +83,7 @@ def viable_acceleration(distance: float, v: float, brake: float, dt: float) -> f
                 break
     if best < stop:  # it cannot only slow down: it must turn back, or stay inside while stopping
         best = min(stop, 2.0 * (distance - v * dt) / (dt * dt))
-    return max(best, min(max(stop, -brake), brake))
+    return max(best, stop, -brake)
 
 
 @numba.njit(cache=True)
