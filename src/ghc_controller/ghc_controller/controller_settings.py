@@ -32,7 +32,7 @@ class ControllerSettings:
     control_dt: float = 1e-3  # [s]
     hierarchy: str = ""  # at the start; "" = of the robot's file
     velocity_limit: float = 0.0  # [rad/s] for every joint; 0 = of the robot
-    velocity_horizon: float = 0.02  # [s] over which a velocity limit acts, 10 to 50 ms
+    velocity_horizon: float = 0.05  # [s] over which a velocity limit acts, 10 to 50 ms
     torque_bound: float = 0.0  # [Nm] for every joint; 0 = of the robot
     torque_bound_around: TorqueCenter = TorqueCenter.ZERO
     torque_rate_limit: float = -1.0  # [Nm/s]; 0 = off, negative = of the robot

@@ -40,7 +40,7 @@ class ControllerParameters:
         0.0, "[rad/s] of every joint; 0 = of the robot", not_negative
     )
     velocity_horizon: float = parameter(
-        0.02, "[s] over which velocity limits act; 0.01 to 0.05", positive
+        0.05, "[s] over which velocity limits act; 0.01 to 0.05", positive
     )
     torque_bound: float = parameter(0.0, "[Nm] of every joint; 0 = of the robot", not_negative)
     torque_bound_around: str = parameter(

@@ -34,7 +34,7 @@ class FormulationSettings:
     regularization: float = 1e-2  # [-] w: weight on nu'_i (ghc) or damping |x|^2 per level
     torque_regularization: TorqueRegularization = TorqueRegularization.NONE
     torque_weight: float = 1e-2  # [-] on |tau - reference|^2, ghc and ghc_full only
-    metric_ratio: float = 1e4  # [-] kappa: what yields between two levels under active bounds
+    metric_ratio: float = 1e3  # [-] kappa: what yields between two levels under active bounds
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
     slack_weight: float = 1e6  # [-] on soft rows that give way
