@@ -10,7 +10,7 @@ MAKEFLAGS += --no-print-directory
 STARTER := $(firstword $(foreach python,python3 python3.12 python3.11,\
     $(shell $(python) -c 'import sys; sys.version_info >= (3, 8) and print("$(python)")' 2>/dev/null)))
 WORKSPACE = . .venv/bin/activate && . install/setup.bash
-RUN = $(WORKSPACE) && exec python tools/ros2_run.py
+RUN = $(WORKSPACE) && exec .venv/bin/python tools/ros2_run.py
 
 # Options of `make run` and `make demo`; ARGS goes through as it is.
 OPTIONS = $(if $(FORMULATION),--formulation $(FORMULATION)) \
@@ -28,7 +28,7 @@ help: ## list the commands
 	@echo "  make test ARGS='-k words'   make setup PYTHON=python3.12   make lock UPGRADE=1"
 
 setup: ## make .venv, install the locked packages, build the messages
-	@test -n "$(STARTER)" || { echo "set-up: no Python: sudo apt install python3 python3-venv python3-dev" >&2; exit 1; }
+	@test -n "$(STARTER)" || { echo "set-up: no Python 3.11 or 3.12: sudo apt install python3 python3-venv python3-dev" >&2; exit 1; }
 	@$(STARTER) -B -m tools.workspace $(if $(PYTHON),--python "$(PYTHON)") $(if $(filter setup,$(MAKECMDGOALS)),,--quiet)
 
 demo: setup ## the main job: the arm changes its priorities (scenario priority_switching)
@@ -42,10 +42,10 @@ paper: setup ## every experiment of the paper, and docs/results.md
 	@$(RUN) ghc_sim_bridge paper $(ARGS)
 
 bench: setup ## time per control step and round trips per second
-	@$(WORKSPACE) && exec python benchmarks/run.py $(ARGS)
+	@$(WORKSPACE) && exec .venv/bin/python benchmarks/run.py $(ARGS)
 
 test: setup ## all tests; ARGS goes to pytest
-	@$(WORKSPACE) && exec python -m pytest $(ARGS)
+	@$(WORKSPACE) && exec .venv/bin/python -m pytest $(ARGS)
 
 lint: setup ## ruff and mypy
 	@$(WORKSPACE) && ruff check && ruff format --check && mypy

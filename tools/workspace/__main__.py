@@ -7,6 +7,7 @@ import fcntl
 import os
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from tools.workspace import checks
@@ -18,16 +19,16 @@ from tools.workspace.machine import Machine
 from tools.workspace.run import Runner
 from tools.workspace.step import Context, Step
 
-STEPS = (VirtualEnvironment, Packages, Messages, PythonPackages)
+STEPS: tuple[type[Step], ...] = (VirtualEnvironment, Packages, Messages, PythonPackages)
 
 INTERRUPTED = 130  # exit code that shells give to a command ended by SIGINT
 
 
-def set_up(context: Context) -> int:
+def set_up(context: Context, kinds: Sequence[type[Step]] = STEPS) -> int:
     """Run the steps whose inputs changed; return how many ran."""
     layout = context.layout
     checks.check_sources([layout.uv_lock, layout.wheel_includes])
-    steps: list[Step] = [kind(context) for kind in STEPS]
+    steps = [kind(context) for kind in kinds]
     if not layout.install.exists():
         checks.check_compiler(context.machine)  # told now, and not after a gigabyte of packages
     count = 0
@@ -46,6 +47,7 @@ def main() -> int:
     """Set up the workspace; 0 when it is ready."""
     parser = argparse.ArgumentParser(prog="python3 -m tools.workspace", description=__doc__)
     parser.add_argument("--python", metavar="COMMAND", help="the Python of .venv (3.11 or 3.12)")
+    parser.add_argument("--only-packages", action="store_true", help="build nothing yet")
     parser.add_argument("--quiet", action="store_true", help="say nothing when up to date")
     arguments = parser.parse_args()
     root = Path(__file__).resolve().parents[2]
@@ -61,7 +63,7 @@ def main() -> int:
             asked_python=arguments.python,
         )
         with _Alone(root):
-            ran = set_up(context)
+            ran = set_up(context, STEPS[:2] if arguments.only_packages else STEPS)
     except SetupError as error:
         print(f"set-up: {error}", file=sys.stderr)
         return 1
