@@ -41,9 +41,14 @@ class JointPositionLimit(Constraint):
         upper: Array,
         brake_acceleration: Array | float = 5.0,
         name: str = "position_limit",
+        approach_rate: float = 8.0,
     ) -> None:
-        """Bound the last a entries of q by lower and upper (a,) [rad]; +-inf for no limit."""
+        """Bound the last a entries of q by lower and upper (a,) [rad]; approach_rate r [1/s].
+
+        +-inf stands for no limit.
+        """
         super().__init__(name)
+        self.approach_rate = float(positive_per_joint(approach_rate, 1, f"{name}, rate")[0])
         self.lower, self.upper = lower.copy(), upper.copy()
         joints = lower.shape[0]
         self.brake_acceleration = positive_per_joint(
@@ -58,6 +63,7 @@ class JointPositionLimit(Constraint):
             self.lower,
             self.upper,
             self.brake_acceleration,
+            self.approach_rate,
             tick.dt,
             lower,
             upper,
@@ -87,12 +93,20 @@ def viable_acceleration(distance: float, v: float, brake: float, dt: float) -> f
 
 
 @numba.njit(cache=True)
+def soft_approach(distance: float, v: float, brake: float, rate: float, dt: float) -> float:
+    """Acceleration of a critically damped approach to a limit; never forbids braking."""
+    approach = rate * rate * distance - 2.0 * rate * v
+    return max(approach, min(max(-v / dt, -brake), brake))
+
+
+@numba.njit(cache=True)
 def _position_box(
     q: Array,
     v: Array,
     q_min: Array,
     q_max: Array,
     brake: Array,
+    rate: float,
     dt: float,
     lower: Array,
     upper: Array,
@@ -100,5 +114,12 @@ def _position_box(
     q_base, v_base = q.shape[0] - brake.shape[0], v.shape[0] - brake.shape[0]
     for i in range(brake.shape[0]):
         position, speed = q[q_base + i], v[v_base + i]
-        upper[v_base + i] = viable_acceleration(q_max[i] - position, speed, brake[i], dt)
-        lower[v_base + i] = -viable_acceleration(position - q_min[i], -speed, brake[i], dt)
+        to_upper, to_lower = q_max[i] - position, position - q_min[i]
+        upper[v_base + i] = min(
+            viable_acceleration(to_upper, speed, brake[i], dt),
+            soft_approach(to_upper, speed, brake[i], rate, dt),
+        )
+        lower[v_base + i] = -min(
+            viable_acceleration(to_lower, -speed, brake[i], dt),
+            soft_approach(to_lower, -speed, brake[i], rate, dt),
+        )
