@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from ghc_controller.errors import ConfigurationError, WrongSize
 from numpy.typing import NDArray
+
+from ghc_controller.errors import ConfigurationError, WrongSize
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ import re
 
 import mujoco
 import numpy as np
-from ghc_controller.errors import ConfigurationError, UnknownName
 
+from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_sim_bridge.scene_description import Contact, SceneDescription, Surface
 
 # Contact filter: robot spheres carry bit 1 and feel bit 2, surfaces the other way round, so that
@@ -45,7 +45,7 @@ def build_model(scene: SceneDescription, physics_dt: float) -> mujoco.MjModel:
     try:
         return spec.compile()
     except ValueError as error:
-        raise ConfigurationError(f"{scene.urdf}: MuJoCo refuses it: {error}") from error
+        raise _refused(scene, error) from error
 
 
 def contact_geom_names(contact: Contact) -> tuple[str, ...]:
@@ -64,7 +64,12 @@ def _read_urdf(scene: SceneDescription) -> mujoco.MjSpec:
     try:
         return mujoco.MjSpec.from_string(text)
     except ValueError as error:
-        raise ConfigurationError(f"{scene.urdf}: MuJoCo refuses it: {error}") from error
+        raise _refused(scene, error) from error
+
+
+def _refused(scene: SceneDescription, error: ValueError) -> ConfigurationError:
+    reason = " ".join(str(error).split())
+    return ConfigurationError(f"{scene.urdf}: MuJoCo refuses it: {reason}")
 
 
 def _set_physics(spec: mujoco.MjSpec, scene: SceneDescription, physics_dt: float) -> None:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robots import find_robot
-
 from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
 Vector = tuple[float, float, float]

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
-from ghc_controller.types import RobotState
 from numpy.typing import ArrayLike, NDArray
 
+from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
+from ghc_controller.types import RobotState
 from ghc_sim_bridge.contact_sensors import ContactSensors
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.hold import hold_torque
