@@ -53,6 +53,7 @@ def made_up(folder: Path, scenario: str) -> tuple[Analysis, ControllerTrace]:
         rise = float(np.clip((t - plan.phases[0].end) / 2.0, 0.0, 1.0))
         trace.time.append(float(t))
         trace.alpha.append([rise, 1.0 - rise, 0.0, rise, 0.0, 0.0, 1.0, 1.0, 0.0])
+        trace.errors.append([0.1, 0.1, 0.1])
         trace.time_step.append(1e-4)
     trace.counts = {"qp_failures": 0, "fallback_ticks": 0}
     return analysis, trace

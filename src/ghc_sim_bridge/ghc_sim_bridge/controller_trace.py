@@ -16,6 +16,7 @@ class ControllerTrace:
     time: list[float] = field(default_factory=list)  # [s] simulated
     alpha: list[list[float]] = field(default_factory=list)  # row-major (k * k)
     errors: list[list[float]] = field(default_factory=list)  # (k,) error norms [m] or [rad]
+    references: list[list[list[float]]] = field(default_factory=list)  # (k, position size)
     time_terms: list[float] = field(default_factory=list)  # [s] wall
     time_solve: list[float] = field(default_factory=list)  # [s] wall
     time_step: list[float] = field(default_factory=list)  # [s] wall

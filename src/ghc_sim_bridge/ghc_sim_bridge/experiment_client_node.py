@@ -14,7 +14,6 @@ from ghc_msgs.msg import (
     TransitionStatus,
 )
 from rclpy.context import Context
-from rclpy.duration import Duration as RclpyDuration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
@@ -88,11 +87,13 @@ class ExperimentClient(Node):
             self.destroy_subscription(self._states)
             self._states = None
 
-    @property
-    def listeners_ready(self) -> bool:
-        """Whether somebody reads the references and the transitions."""
-        publishers = (self._references, self._transitions)
-        return all(publisher.get_subscription_count() > 0 for publisher in publishers)
+    def hears_script(self, node: str) -> bool:
+        """Whether a node reads the references and the transitions."""
+        return all(
+            any(reader.node_name == node
+                for reader in self.get_subscriptions_info_by_topic(publisher.topic_name))
+            for publisher in (self._references, self._transitions)
+        )
 
     def publish_reference(self, reference: Reference, duration: float) -> None:
         """Send the reference of one task for a run of `duration` [s], stamped with time zero."""
@@ -101,10 +102,6 @@ class ExperimentClient(Node):
         message.joints = list(reference.joints)
         message.points = [_point(point) for point in reference.points_until(duration)]
         self._references.publish(message)
-
-    def references_acknowledged(self, seconds: float) -> bool:
-        """Whether the controller's side has received all references within `seconds`."""
-        return self._references.wait_for_all_acked(RclpyDuration(seconds=seconds))
 
     def publish_transition(self, transition: ScriptedTransition) -> None:
         """Send one transition; the answer comes by `raise_if_rejected` and `accepted`."""
@@ -158,6 +155,7 @@ class ExperimentClient(Node):
         trace.time.append(time)
         trace.alpha.append(list(message.alpha))
         trace.errors.append([task.error_norm for task in message.tasks])
+        trace.references.append([list(task.reference) for task in message.tasks])
         trace.time_terms.append(message.time_terms)
         trace.time_solve.append(message.time_solve)
         trace.time_step.append(message.time_step)

@@ -113,6 +113,6 @@ def _read_lemniscate(fields: Fields) -> Lemniscate:
         if len(vector) != 3:
             raise fields.error(name, f"3 numbers are expected, {len(vector)} given")
     period = fields.number("period", minimum=1e-3)
-    sample = fields.number("sample", 0.02, minimum=1e-3)
+    sample = fields.number("sample", 0.1, minimum=1e-3)
     fields.close()
     return Lemniscate(axes["center"], axes["along"], axes["across"], period, sample)

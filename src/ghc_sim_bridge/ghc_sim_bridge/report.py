@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_sim_bridge.analysis import analyse
+from ghc_sim_bridge.claims import check_references
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.figures import run_figures
 from ghc_sim_bridge.phase_table import outcome_lines, phase_table
@@ -20,10 +21,12 @@ SUMMARY = "summary.json"
 def run_and_report(plan: RunPlan) -> dict[str, Any]:
     """Run a plan, write summary and figures, print the table of its phases.
 
-    Returns the summary. Raises GhcError when the run itself failed.
+    Returns the summary. Raises GhcError when the run itself failed, or did something else than
+    what was scripted.
     """
     outcome = run_experiment(plan)
     analysis = analyse(plan, outcome.log, outcome.robot)
+    check_references(analysis.history, outcome.trace)
     summary = make_summary(analysis, outcome.trace, outcome.exit_codes, outcome.wall_seconds)
     write_json(plan.folder / SUMMARY, summary)
     for name, figure in run_figures(analysis, outcome.trace).items():

@@ -16,6 +16,7 @@ from ghc_sim_bridge.scenario import NODES, Phase, Scenario
 
 MODES = ("lockstep", "realtime")
 RECORD_MODES = ("decimated", "full")
+_PHYSICS_DT = 1e-3  # [s] longest step of the integrator
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,8 +177,10 @@ def _with_parameters(plan: RunPlan) -> RunPlan:
             "scene": scenario.scene,
             "mode": plan.options.mode,
             "control_dt": plan.control_dt,
+            "physics_dt": plan.control_dt / math.ceil(plan.control_dt / _PHYSICS_DT - 1e-9),
             "stop_time": plan.duration,
             "paused": True,
+            "lossless": plan.options.record == "full",
             "log_file": str(folder / "log.npz"),
             "torque_rate_limit": scenario.torque_rate_limit,
         },
@@ -186,15 +189,21 @@ def _with_parameters(plan: RunPlan) -> RunPlan:
             "formulation": plan.formulation,
             "control_dt": plan.control_dt,
             "torque_rate_limit": scenario.torque_rate_limit,
+            "lockstep": plan.options.mode == "lockstep",
         },
-        "recorder": {},
-        "viewer": {},
+        "recorder": {
+            "output": str(folder / "recording.mcap"),
+            "record_mode": plan.options.record,
+        },
     }
     if plan.phases[0].phase.table is None:
         nodes["controller"]["hierarchy"] = plan.phases[0].phase.hierarchy
     for node, values in scenario.parameters.items():
-        nodes[node].update(values)
+        if node in nodes:
+            nodes[node].update(values)
     for node, name, value in plan.options.parameters:
+        if node not in nodes:
+            raise UnknownName("node of this run", node, nodes)
         known = nodes[node].get(name)
         nodes[node][name] = float(value) if _is_float_for(known, value) else value
     return RunPlan(**{name: getattr(plan, name) for name in plan.__dataclass_fields__

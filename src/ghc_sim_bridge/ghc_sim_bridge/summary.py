@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ghc_sim_bridge.analysis import Analysis
+from ghc_sim_bridge.claims import error_disagreement
 from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.full_rate_log import Source
 from ghc_sim_bridge.metrics import PhasedFigure, percentiles
@@ -60,6 +61,7 @@ def make_summary(
         "fallback_ticks": trace.counts.get("fallback_ticks"),
         "fallback_reasons": sorted(trace.fallback_reasons),
         "counts": trace.counts,
+        "controller_error_disagreement": error_disagreement(analysis.history, trace),
         "gated_ticks": int((log.source == Source.GATED).sum()),
         "held_ticks": int((log.source == Source.HOLD).sum()),
         "torque_rate_limit_nm_per_s": rate_limit if rate_limit > 0.0 else None,

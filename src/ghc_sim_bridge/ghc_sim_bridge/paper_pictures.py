@@ -1,0 +1,96 @@
+"""Pictures for docs/results.md: copies of the runs' own figures, and comparisons."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Protocol
+
+from ghc_controller.robots import find_robot
+from ghc_sim_bridge.analysis import Analysis, analyse
+from ghc_sim_bridge.comparison_figures import (
+    Summary,
+    jerk_comparison,
+    nonstrict_comparison,
+    rate_comparison,
+)
+from ghc_sim_bridge.figure_style import save_png
+from ghc_sim_bridge.full_rate_log import FullRateLog
+from ghc_sim_bridge.run_plan import RunPlan
+
+SWITCHING_RUNS = {
+    "hqp": "hqp, at once",
+    "ghc_fast": "ghc, 0.005 s",
+    "balanced_fast": "balanced, 0.005 s",
+    "ghc": "ghc, 2 s",
+    "balanced": "balanced, 2 s",
+}
+NONSTRICT_RUNS = {"nonstrict_0.2": 0.2, "nonstrict_0.5": 0.5, "nonstrict_0.8": 0.8}
+# run -> (figure of the run, name in the documentation)
+_COPIES = {
+    "hqp": (("tasks", "switching_hqp_tasks"),),
+    "ghc_fast": (("tasks", "switching_ghc_fast_tasks"),),
+    "ghc": (("tasks", "switching_ghc_tasks"),),
+    "balanced": (("tasks", "switching_balanced_tasks"),),
+    "insertion_removal": (("tasks", "insertion_removal_tasks"),),
+    "lemniscate": (
+        ("tasks", "lemniscate_tasks"),
+        ("path_end_effector", "lemniscate_path"),
+        ("joints", "lemniscate_joints"),
+    ),
+    "contact_force": (("force_end_effector", "contact_force"),),
+}
+
+
+class Result(Protocol):
+    """What is needed of a finished run."""
+
+    @property
+    def plan(self) -> RunPlan:
+        """Its plan, with the folder of its files."""
+
+    @property
+    def summary(self) -> Summary:
+        """Content of its summary.json."""
+
+
+def write_pictures(results: Mapping[str, Result], folder: Path) -> frozenset[str]:
+    """Write all pictures that the results allow; their file names."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = set()
+    for name, copies in _COPIES.items():
+        for stem, target in copies:
+            source = results[name].plan.folder / f"{stem}.png" if name in results else None
+            if source is not None and source.is_file():
+                shutil.copyfile(source, folder / f"{target}.png")
+                written.add(f"{target}.png")
+    present = [name for name in SWITCHING_RUNS if name in results]
+    if present:
+        logs = {
+            SWITCHING_RUNS[name]: (results[name].summary, FullRateLog.load(_log(results[name])))
+            for name in present
+        }
+        save_png(jerk_comparison(logs), folder / "switching_jerk.png")
+        rates = {label: summary for label, (summary, _) in logs.items()}
+        if "hqp_gated" in results:
+            rates["hqp, rate limit on"] = results["hqp_gated"].summary
+        save_png(rate_comparison(rates), folder / "switching_rates.png")
+        written |= {"switching_jerk.png", "switching_rates.png"}
+    weights = [(alpha, _analysis(results[name]))
+               for name, alpha in NONSTRICT_RUNS.items() if name in results]
+    if weights:
+        save_png(nonstrict_comparison(weights), folder / "nonstrict.png")
+        written.add("nonstrict.png")
+    return frozenset(written)
+
+
+def _log(result: Result) -> Path:
+    return result.plan.folder / "log.npz"
+
+
+def _analysis(result: Result) -> Analysis:
+    plan = result.plan
+    changed = plan.folder / "robot.yaml"
+    robot = changed if changed.is_file() else find_robot(plan.scenario.robot)
+    return analyse(plan, _log(result), robot)
