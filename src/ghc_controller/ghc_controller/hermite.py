@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
+import numba
 import numpy as np
 
 from ghc_controller.types import Array
@@ -52,15 +51,13 @@ def hermite_coefficients(
     return result
 
 
+@numba.njit(cache=True)
 def evaluate(coefficients: Array, s: float) -> Array:
     """Value, first and second derivative at s of one polynomial (6, m), as rows of (3, m)."""
-    return np.array(_powers(s)) @ coefficients
-
-
-def _powers(s: float) -> tuple[tuple[float, ...], ...]:
-    s2, s3, s4 = s * s, s**3, s**4
-    return (
-        (1.0, s, s2, s3, s4, math.pow(s, 5)),
-        (0.0, 1.0, 2.0 * s, 3.0 * s2, 4.0 * s3, 5.0 * s4),
-        (0.0, 0.0, 2.0, 6.0 * s, 12.0 * s2, 20.0 * s3),
-    )
+    result = np.zeros((3, coefficients.shape[1]))
+    for j in range(coefficients.shape[1]):
+        for k in range(5, -1, -1):  # Horner's scheme for the value and both derivatives
+            result[2, j] = result[2, j] * s + 2.0 * result[1, j]
+            result[1, j] = result[1, j] * s + result[0, j]
+            result[0, j] = result[0, j] * s + coefficients[k, j]
+    return result

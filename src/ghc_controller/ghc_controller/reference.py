@@ -10,12 +10,11 @@ import numpy as np
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hermite import evaluate, hermite_coefficients
 from ghc_controller.rotation import (
-    angular_motion,
     matrix_from_quaternion,
     quaternion_conjugate,
     quaternion_product,
-    rotation_exp,
     rotation_log,
+    turned_motion,
     vector_motion,
 )
 from ghc_controller.tasks.task import UNIT_TOLERANCE, ReferenceSpace, Task
@@ -126,19 +125,13 @@ class ReferenceTrajectory:
         if self.space is ReferenceSpace.VECTOR:
             position, velocity, acceleration = linear
         else:
-            quaternion, omega, alpha = self._orientation(segment, s)
+            vector, rate, change = evaluate(self._angular[segment], s)
+            start = self.position[segment, -4:]
+            quaternion, omega, alpha = turned_motion(start, vector, rate, change)
             position = np.concatenate([linear[0], quaternion])
             velocity = np.concatenate([linear[1], omega])
             acceleration = np.concatenate([linear[2], alpha])
         return TaskTarget(position, velocity, acceleration, self._wrench(segment, s))
-
-    def _orientation(self, segment: int, s: float) -> tuple[Array, Array, Array]:
-        vector, rate, change = evaluate(self._angular[segment], s)
-        start = self.position[segment, -4:]
-        quaternion = quaternion_product(start, rotation_exp(vector))
-        omega, alpha = angular_motion(vector, rate, change)
-        to_world = matrix_from_quaternion(quaternion)
-        return quaternion, to_world @ omega, to_world @ alpha
 
     def _wrench(self, segment: int, s: float) -> Array | None:
         if self.wrench is None:

@@ -67,6 +67,9 @@ class RobotModel:
         self._gravity_vector = np.array(model.gravity.linear)
         self._gravity: Array | None = None
         self._com_is_current = False
+        self._zero = np.zeros(self.nv)
+        data = self._data
+        self._com_views = (data.com[0], data.vcom[0], data.acom[0])
         self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
         self.dynamics = self._free_dynamics = self.update(self.q, self.v)
 
@@ -117,6 +120,9 @@ class RobotModel:
         self._frames.compute()
         self._gravity = None
         self._com_is_current = False
+        self._zero = np.zeros(self.nv)
+        data = self._data
+        self._com_views = (data.com[0], data.vcom[0], data.acom[0])
         self._exerted.clear()
         self._free_dynamics = self.dynamics = Dynamics(mass_matrix, bias)
         return self.dynamics
@@ -190,12 +196,12 @@ class RobotModel:
     def center_of_mass(self) -> Array:
         """Centre of mass in the world, (3,) [m]."""
         self._update_center_of_mass()
-        return self._data.com[0]
+        return self._com_views[0]
 
     def center_of_mass_velocity(self) -> Array:
         """(3,) [m/s]."""
         self._update_center_of_mass()
-        return self._data.vcom[0]
+        return self._com_views[1]
 
     def center_of_mass_jacobian(self) -> Array:
         """(3, n) fresh array: linear rows of the momentum matrix over the mass."""
@@ -204,11 +210,11 @@ class RobotModel:
     def center_of_mass_drift(self) -> Array:
         """dJ/dt v, (3,) [m/s^2]."""
         self._update_center_of_mass()
-        return self._data.acom[0]
+        return self._com_views[2]
 
     def _update_center_of_mass(self) -> None:
         if not self._com_is_current:
-            pin.centerOfMass(self._model, self._data, self.q, self.v, np.zeros(self.nv))
+            pin.centerOfMass(self._model, self._data, self.q, self.v, self._zero)
             self._com_is_current = True
 
     # Shorthands of `limits`, each (na,).

@@ -15,10 +15,14 @@ import numpy as np
 
 from ghc_controller.types import Array
 
+# Inlined into the kernels that call them: a cached function that returns an array to Python and is
+# linked into another cached kernel as well loses its environment on loading (numba 0.68).
+_compiled = numba.njit(cache=True, inline="always")
+
 _SMALL = 1e-4  # [rad] below it series replace the quotients (error below 1e-17)
 
 
-@numba.njit(cache=True)
+@_compiled
 def quaternion_from_matrix(rotation: Array) -> Array:
     """Unit quaternion with w >= 0 of a rotation matrix (3, 3)."""
     q = np.empty(4)
@@ -46,7 +50,7 @@ def quaternion_from_matrix(rotation: Array) -> Array:
     return q
 
 
-@numba.njit(cache=True)
+@_compiled
 def matrix_from_quaternion(q: Array) -> Array:
     """Rotation matrix (3, 3) of a unit quaternion."""
     x, y, z, w = q[0], q[1], q[2], q[3]
@@ -63,7 +67,7 @@ def matrix_from_quaternion(q: Array) -> Array:
     return rotation
 
 
-@numba.njit(cache=True)
+@_compiled
 def quaternion_product(a: Array, b: Array) -> Array:
     """Quaternion of the rotation b followed by a: R(result) = R(a) R(b)."""
     q = np.empty(4)
@@ -74,13 +78,13 @@ def quaternion_product(a: Array, b: Array) -> Array:
     return q
 
 
-@numba.njit(cache=True)
+@_compiled
 def quaternion_conjugate(q: Array) -> Array:
     """Inverse rotation of a unit quaternion."""
     return np.array([-q[0], -q[1], -q[2], q[3]])
 
 
-@numba.njit(cache=True)
+@_compiled
 def rotation_log(q: Array) -> Array:
     """Rotation vector (3,) [rad] of a unit quaternion, of length at most pi."""
     sign = 1.0 if q[3] >= 0.0 else -1.0
@@ -91,7 +95,7 @@ def rotation_log(q: Array) -> Array:
     return sign * scale * q[:3]
 
 
-@numba.njit(cache=True)
+@_compiled
 def rotation_exp(p: Array) -> Array:
     """Unit quaternion of a rotation vector (3,) [rad]."""
     angle = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
@@ -99,7 +103,7 @@ def rotation_exp(p: Array) -> Array:
     return np.array([scale * p[0], scale * p[1], scale * p[2], math.cos(0.5 * angle)])
 
 
-@numba.njit(cache=True)
+@_compiled
 def cross(a: Array, b: Array) -> Array:
     """Cross product of two (3,) vectors."""
     return np.array(
@@ -107,7 +111,7 @@ def cross(a: Array, b: Array) -> Array:
     )
 
 
-@numba.njit(cache=True)
+@_compiled
 def angular_motion(p: Array, rate: Array, rate_change: Array) -> tuple[Array, Array]:
     """Angular velocity and acceleration of exp(p(t)) in its own axes.
 
@@ -124,6 +128,22 @@ def angular_motion(p: Array, rate: Array, rate_change: Array) -> tuple[Array, Ar
     return velocity, acceleration
 
 
+@_compiled
+def turned_motion(
+    start: Array, p: Array, rate: Array, rate_change: Array
+) -> tuple[Array, Array, Array]:
+    """Quaternion, angular velocity and acceleration in world axes of start exp(p(t))."""
+    quaternion = quaternion_product(start, rotation_exp(p))
+    omega, alpha = angular_motion(p, rate, rate_change)
+    rotation = matrix_from_quaternion(quaternion)
+    world_omega, world_alpha = np.zeros(3), np.zeros(3)
+    for i in range(3):
+        for j in range(3):
+            world_omega[i] += rotation[i, j] * omega[j]
+            world_alpha[i] += rotation[i, j] * alpha[j]
+    return quaternion, world_omega, world_alpha
+
+
 def vector_motion(p: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
     """Inverse of angular_motion: p', p'' from angular velocity and acceleration, |p| < 2 pi.
 
@@ -137,7 +157,7 @@ def vector_motion(p: Array, velocity: Array, acceleration: Array) -> tuple[Array
     return rate, np.linalg.solve(jacobian, acceleration - change)
 
 
-@numba.njit(cache=True)
+@_compiled
 def _coefficients(p: Array) -> tuple[float, float, float, float]:
     """a, b and their derivatives by t divided by t."""
     t = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])

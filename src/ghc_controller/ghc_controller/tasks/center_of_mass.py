@@ -8,6 +8,7 @@ from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.force_control import WORLD_AXES
+from ghc_controller.tasks.kernels import position_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array, TaskRows, TaskTarget
@@ -57,14 +58,20 @@ class CenterOfMassTask(Task):
 
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Rows on the velocity of the centre of mass."""
-        axes = self._axes
-        self.fill(
-            out,
-            model.center_of_mass_jacobian()[axes],
-            model.center_of_mass_drift()[axes],
-            target.position - model.center_of_mass()[axes],
-            target.velocity - model.center_of_mass_velocity()[axes],
+        position_rows(
+            model.center_of_mass(),
+            model.center_of_mass_jacobian(),
+            model.center_of_mass_velocity(),
+            model.center_of_mass_drift(),
+            self._axes,
+            target.position,
+            target.velocity,
             target.acceleration,
+            self.stiffness,
+            self.damping,
+            out.jacobian,
+            out.target,
+            out.error,
         )
 
     def current(self, model: RobotModel) -> Array:

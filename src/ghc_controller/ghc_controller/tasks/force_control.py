@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue
@@ -20,9 +23,9 @@ _MAX_STEP = 0.02  # [s] a longer gap between two states counts as this much inte
 class ForceState:
     """Memory of force control: cleared by ForceControl.reset and on every loss of contact."""
 
+    integral: Array  # (m,) [N s] of f_ref - f_meas
     active: bool = False
     time: float = 0.0  # [s] state that was answered last
-    integral: Array | None = None  # (m,) [N s] of f_ref - f_meas
 
 
 class ForceControl:
@@ -100,11 +103,11 @@ class ForceControl:
         self.contact = contact
         self.threshold = threshold
         self.release = release
-        self.proportional = proportional
-        self.integral = integral
-        self.damping = damping
         self.force_rows = np.array([axis in force_axes for axis in axes])
-        self.state = ForceState()
+        self._force_axes = self._axes[self.force_rows]
+        self._gains = np.array([proportional, integral, damping, threshold])
+        self._wrench = np.zeros(6)  # measured, in an array of our own: one compiled signature
+        self.reset()
 
     @classmethod
     def from_config(cls, fields: Fields, frame_id: int, axes: Sequence[str]) -> ForceControl:
@@ -133,7 +136,7 @@ class ForceControl:
 
     def reset(self) -> None:
         """Back to motion control with a zero integral."""
-        self.state = ForceState()
+        self.state = ForceState(np.zeros(self._axes.shape))
 
     def apply(
         self,
@@ -157,38 +160,76 @@ class ForceControl:
         if target.wrench is None or wrench is None:
             self.reset()
             return 0
-        force_error = target.wrench + wrench[self._axes]
-        force_error[~self.force_rows] = 0.0
-        normal_force = float(np.linalg.norm(wrench[self._axes[self.force_rows]]))
-        if not self._in_contact(normal_force):
+        self._wrench[:] = wrench
+        if not self._in_contact(_norm_along(self._force_axes, self._wrench)):
             self.reset()
             return 0
-        wrench_d = self._desired_wrench(state.time, target.wrench, force_error)
-        frame, rows = model.frame(self._frame_id), self.force_rows
-        out.error[rows] = force_error[rows]
-        still = -frame.drift[self._axes] - self.damping * frame.velocity[self._axes]
-        out.target[rows] = still[rows]
+        frame = model.frame(self._frame_id)
+        wrench_d = np.zeros(self._axes.shape)
+        _force_rows(
+            self.force_rows,
+            self._axes,
+            self._step(state.time),
+            target.wrench,
+            self._wrench,
+            self._gains,
+            frame.drift,
+            frame.velocity,
+            self.state.integral,
+            wrench_d,
+            out.target,
+            out.error,
+        )
         model.exert(f"{self.contact} {self._frame_id}", out.jacobian, wrench_d)
-        return int(rows.sum())
+        return len(self._force_axes)
 
     def _in_contact(self, normal_force: float) -> bool:
         if self.state.active:
             return normal_force >= self.release
         return normal_force > self.threshold
 
-    def _desired_wrench(self, time: float, reference: Array, force_error: Array) -> Array:
+    def _step(self, time: float) -> float:
+        """Integration time since the last state; zero for a repeated one: the same answer."""
         memory = self.state
-        if not memory.active or memory.integral is None:
-            memory.integral = np.zeros(force_error.shape)
-        else:
-            # A repeated state has the same time: no step, and the same answer.
-            step = min(max(time - memory.time, 0.0), _MAX_STEP)
-            memory.integral += step * force_error
+        step = min(max(time - memory.time, 0.0), _MAX_STEP) if memory.active else 0.0
         memory.active, memory.time = True, time
-        wrench = reference + self.proportional * force_error
-        if self.integral > 0.0:
-            largest = np.maximum(np.abs(reference), self.threshold) / self.integral
-            np.clip(memory.integral, -largest, largest, out=memory.integral)
-            wrench += self.integral * memory.integral
-        wrench[~self.force_rows] = 0.0
-        return wrench
+        return step
+
+
+@numba.njit(cache=True)
+def _norm_along(force_axes: NDArray[np.int64], wrench: Array) -> float:
+    total = 0.0
+    for axis in force_axes:
+        total += wrench[axis] ** 2
+    return math.sqrt(total)
+
+
+@numba.njit(cache=True)
+def _force_rows(
+    force_rows: NDArray[np.bool_],
+    axes: NDArray[np.int64],
+    step: float,
+    reference: Array,
+    wrench: Array,
+    gains: Array,
+    drift: Array,
+    velocity: Array,
+    integral: Array,
+    wrench_out: Array,
+    target_out: Array,
+    error_out: Array,
+) -> None:
+    """Write w_d, and on the force rows a target that stays still and the force error.
+
+    gains: proportional, integral, damping, threshold; integral (m,) [N s] is advanced by `step`.
+    """
+    for i in range(axes.shape[0]):
+        if force_rows[i]:
+            error = reference[i] + wrench[axes[i]]
+            error_out[i] = error
+            target_out[i] = -drift[axes[i]] - gains[2] * velocity[axes[i]]
+            wrench_out[i] = reference[i] + gains[0] * error
+            if gains[1] > 0.0:
+                largest = max(abs(reference[i]), gains[3]) / gains[1]
+                integral[i] = min(max(integral[i] + step * error, -largest), largest)
+                wrench_out[i] += gains[1] * integral[i]

@@ -49,7 +49,10 @@ def position_rows(
     target_out: Array,
     error_out: Array,
 ) -> None:
-    """Rows of chosen world axes of a frame's origin; row i belongs to axis axes[i]."""
+    """Rows of chosen world axes of a point; row i belongs to axis axes[i].
+
+    position (3,); jacobian, velocity and drift have the linear rows first and may have more.
+    """
     for i in range(axes.shape[0]):
         axis = axes[i]
         error = reference[i] - position[axis]

@@ -13,7 +13,7 @@ from ghc_controller.rotation import (
 from ghc_controller.types import Array
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def orientation_error(reference: Array, rotation: Array) -> Array:
     """Rotation vector e (3,) in world axes with R_reference = exp(e) R, |e| <= pi."""
     actual = quaternion_from_matrix(rotation)
