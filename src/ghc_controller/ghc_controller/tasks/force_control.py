@@ -158,11 +158,11 @@ class ForceControl:
         """
         wrench = state.wrenches.get(self.contact)
         if target.wrench is None or wrench is None:
-            self.reset()
+            self._leave_contact()
             return 0
         self._wrench[:] = wrench
         if not self._in_contact(_norm_along(self._force_axes, self._wrench)):
-            self.reset()
+            self._leave_contact()
             return 0
         frame = model.frame(self._frame_id)
         wrench_d = np.zeros(self._axes.shape)
@@ -182,6 +182,10 @@ class ForceControl:
         )
         model.exert(f"{self.contact} {self._frame_id}", out.jacobian, wrench_d)
         return len(self._force_axes)
+
+    def _leave_contact(self) -> None:
+        if self.state.active:
+            self.reset()
 
     def _in_contact(self, normal_force: float) -> bool:
         if self.state.active:
