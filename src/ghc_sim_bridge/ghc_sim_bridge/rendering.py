@@ -67,6 +67,7 @@ class Renderer:
         )
         self._option = mujoco.MjvOption()
         self._scene = mujoco.MjvScene(self._model, maxgeom=4000)
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
         self._context = _open_context(self.size)
         self._gpu = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_150.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._gpu)

@@ -136,7 +136,7 @@ def _add_surface(spec: mujoco.MjSpec, surface: Surface) -> None:
     spec.worldbody.add_geom(
         name=surface.name,
         type=mujoco.mjtGeom.mjGEOM_PLANE if plane else mujoco.mjtGeom.mjGEOM_BOX,
-        size=[length / 2, width / 2, 1.0 if plane else height / 2],
+        size=[length / 2, width / 2, 0.05 if plane else height / 2],
         pos=[x, y, z if plane else z - height / 2],
         material="ground" if plane else "",
         rgba=list(surface.colour),
@@ -147,7 +147,9 @@ def _add_surface(spec: mujoco.MjSpec, surface: Surface) -> None:
 
 def _dress(spec: mujoco.MjSpec, scene: SceneDescription) -> None:
     """Light, sky and ground for the pictures; nothing of it has a mass."""
-    spec.visual.map.znear = 0.05
+    spec.visual.map.znear, spec.visual.map.zfar = 0.05, 30.0
+    spec.visual.map.haze, spec.visual.map.shadowclip = 0.4, 2.0
+    spec.visual.rgba.haze = [0.90, 0.93, 0.97, 1.0]
     spec.visual.quality.shadowsize = 4096
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1440
     spec.stat.extent, spec.stat.center = 1.0, list(scene.camera.look_at)
@@ -175,7 +177,7 @@ def _dress(spec: mujoco.MjSpec, scene: SceneDescription) -> None:
     textures = [""] * int(mujoco.mjtTextureRole.mjNTEXROLE)
     textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = "ground"
     spec.add_material(
-        name="ground", textures=textures, texrepeat=[4.0, 4.0], texuniform=True, reflectance=0.08
+        name="ground", textures=textures, texrepeat=[2.0, 2.0], texuniform=True, reflectance=0.08
     )
     spec.worldbody.add_light(
         pos=[1.5, -1.5, 3.5],

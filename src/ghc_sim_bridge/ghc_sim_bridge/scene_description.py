@@ -29,7 +29,7 @@ class Surface:
     name: str
     kind: str  # one of SURFACE_KINDS
     top: Vector  # [m] centre of the top face, world
-    size: Vector  # [m] full lengths; of a plane only the first two, for the picture
+    size: Vector  # [m] full lengths; of a plane, for the picture only, 0 = without end
     colour: Colour
     touches: bool  # whether contacts feel it, or it is there for the picture only
 
@@ -150,6 +150,7 @@ def _surface(fields: Fields) -> Surface:
     kind = fields.text("kind")
     if kind not in SURFACE_KINDS:
         raise fields.error("kind", f"'{kind}' given, one of {', '.join(SURFACE_KINDS)} expected")
+    plane = kind == "plane"
     touches = fields.value("touches", True)
     if not isinstance(touches, bool):
         raise fields.error("touches", f"true or false is expected, {touches!r} given")
@@ -157,11 +158,13 @@ def _surface(fields: Fields) -> Surface:
         name=fields.text("name"),
         kind=kind,
         top=_vector(fields, "top", (0.0, 0.0, 0.0)),
-        size=_vector(fields, "size", (4.0, 4.0, 0.1)),
+        size=_vector(fields, "size", (0.0, 0.0, 0.0) if plane else None),
         colour=_colour(fields, "colour", (0.8, 0.8, 0.8, 1.0)),
         touches=touches,
     )
     fields.close()
+    if not plane and min(surface.size) <= 0.0:
+        raise fields.error("size", f"lengths above 0 are expected, {surface.size} given")
     return surface
 
 
