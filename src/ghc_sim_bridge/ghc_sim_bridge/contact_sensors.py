@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ghc_sim_bridge.scene import contact_geom_names
-from ghc_sim_bridge.scene_description import Contact
+from ghc_sim_bridge.scene_values import Contact
 
 Array = NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from PIL import Image
 from ghc_sim_bridge.errors import RenderingUnavailable
 from ghc_sim_bridge.joint_map import JointMap
 from ghc_sim_bridge.scene import build_model
-from ghc_sim_bridge.scene_description import Camera, SceneDescription
+from ghc_sim_bridge.scene_values import Camera, SceneDescription
 from ghc_sim_bridge.urdf_limits import read_limits
 
 Picture = NDArray[np.uint8]  # (height, width, 3)

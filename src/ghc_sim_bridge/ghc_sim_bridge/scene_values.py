@@ -1,0 +1,63 @@
+"""What a scene adds to a robot, as frozen values: surroundings, contacts, a camera."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+Vector = tuple[float, float, float]
+Colour = tuple[float, float, float, float]
+
+SURFACE_KINDS = ("plane", "box")
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A body of the surroundings that does not move; its top is horizontal."""
+
+    name: str
+    kind: str  # one of SURFACE_KINDS
+    top: Vector  # [m] centre of the top face, world
+    size: Vector  # [m] full lengths; of a plane, for the picture only, 0 = without end
+    colour: Colour
+    touches: bool  # whether contacts feel it, or it is there for the picture only
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where the robot may touch the surroundings: spheres fixed to one of its frames."""
+
+    name: str
+    frame: str
+    radius: float  # [m]
+    points: tuple[Vector, ...]  # [m] centres of the spheres in the frame
+    friction: float  # sliding friction coefficient; 0 = frictionless
+    time_constant: float  # [s] of the constraint's penetration; smaller is stiffer
+    damping_ratio: float
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A picture's point of view: on a sphere about the point it looks at."""
+
+    look_at: Vector  # [m] world
+    distance: float  # [m]
+    azimuth: float  # [deg] about z; 0 looks along +x
+    elevation: float  # [deg] negative looks down
+    field_of_view: float  # [deg] vertical
+
+
+@dataclass(frozen=True)
+class SceneDescription:
+    """One scene file, checked."""
+
+    name: str
+    file: Path
+    robot_file: Path
+    urdf: Path
+    start: Mapping[str, float]  # joint -> [rad]
+    gravity: Vector  # [m/s^2]
+    surfaces: tuple[Surface, ...]
+    contacts: tuple[Contact, ...]
+    camera: Camera
