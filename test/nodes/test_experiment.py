@@ -35,8 +35,15 @@ SCENARIO: dict[str, Any] = {
     ],
     "paper": {"source": "none"},
 }
-FILES = {"summary.json", "recording.mcap", "log.npz", "parameters.yaml", "tasks.png",
-         "joints.png", "jerk.png"}
+FILES = {
+    "summary.json",
+    "recording.mcap",
+    "log.npz",
+    "parameters.yaml",
+    "tasks.png",
+    "joints.png",
+    "jerk.png",
+}
 START_DEADLINE = 60.0  # [s]
 
 
@@ -52,8 +59,13 @@ class Experiment:
         file = self.folder / "short.yaml"
         file.write_text(yaml.safe_dump(SCENARIO | changes), encoding="utf-8")
         return self._start_node(
-            "ghc_sim_bridge", "experiment", "--scenario", file, "--output",
-            self.folder / "results", *options,
+            "ghc_sim_bridge",
+            "experiment",
+            "--scenario",
+            file,
+            "--output",
+            self.folder / "results",
+            *options,
         )
 
     def run(self, *options: str, **changes: object) -> str:
@@ -105,8 +117,9 @@ def test_a_run_leaves_summary_figures_and_recording(experiment: Experiment) -> N
         ("end_effector > elbow > posture", 0.5, DURATION),
     ]
     assert summary["qp_failures"] == summary["fallback_ticks"] == 0
-    assert summary["phases"][1]["errors"]["end_effector"] < (
-        summary["phases"][0]["errors"]["end_effector"]
+    assert (
+        summary["phases"][1]["errors"]["end_effector"]
+        < (summary["phases"][0]["errors"]["end_effector"])
     )
     for phase in summary["phases"]:
         assert phase["hierarchy"] in output
@@ -128,8 +141,13 @@ def test_every_tick_was_commanded_and_the_transition_came_at_its_time(
         for _, _, _, message in reader.iter_decoded_messages(topics=["/ghc/controller_state"]):
             times.append(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
             alphas.append(message.alpha[1])  # of the end effector with respect to the elbow
-    assert channels >= {"/joint_states", "/joint_commands", "/ghc/priority_transition",
-                        "/ghc/task_reference", "/ghc/transition_status"}
+    assert channels >= {
+        "/joint_states",
+        "/joint_commands",
+        "/ghc/priority_transition",
+        "/ghc/task_reference",
+        "/ghc/transition_status",
+    }
     progress = np.clip((np.array(times) - 0.5) / 0.3, 0.0, 1.0)
     np.testing.assert_allclose(alphas, 0.5 + 0.5 * np.cos(np.pi * progress), atol=1e-9)
 

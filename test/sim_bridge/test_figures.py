@@ -21,10 +21,25 @@ DT = 1e-3
 JOINTS = tuple(f"joint_{k}" for k in range(1, 8))
 PNG_LIMIT = 150_000  # [bytes] so that figures can stand beside the documentation
 REQUIRED = {
-    "scenario", "robot", "formulation", "control_dt_s", "sim_seconds", "wall_seconds",
-    "real_time_factor", "nodes", "phases", "peak_torque_rate_nm_per_s", "peak_torque_jump_nm",
-    "jerk_integral", "limit_violations", "solve_time_us", "step_time_us", "qp_failures",
-    "fallback_ticks", "torque_rate_limit_nm_per_s", "paper",
+    "scenario",
+    "robot",
+    "formulation",
+    "control_dt_s",
+    "sim_seconds",
+    "wall_seconds",
+    "real_time_factor",
+    "nodes",
+    "phases",
+    "peak_torque_rate_nm_per_s",
+    "peak_torque_jump_nm",
+    "jerk_integral",
+    "limit_violations",
+    "solve_time_us",
+    "step_time_us",
+    "qp_failures",
+    "fallback_ticks",
+    "torque_rate_limit_nm_per_s",
+    "paper",
 }
 
 
@@ -41,9 +56,18 @@ def made_up(folder: Path, scenario: str) -> tuple[Analysis, ControllerTrace]:
     contact[:, 2] = np.where(time > 5.0, 20.0, 0.0)
     log = folder / "log.npz"
     np.savez(
-        log, time=time, q=q, v=v, acceleration=-0.3 * v, torque=torque, commanded=torque,
-        source=np.zeros(len(time), np.uint8), epoch=np.zeros(len(time), np.uint32),
-        cycle_time=np.full(len(time), 5e-4), wrench_tool=contact, joint_names=np.array(JOINTS),
+        log,
+        time=time,
+        q=q,
+        v=v,
+        acceleration=-0.3 * v,
+        torque=torque,
+        commanded=torque,
+        source=np.zeros(len(time), np.uint8),
+        epoch=np.zeros(len(time), np.uint32),
+        cycle_time=np.full(len(time), 5e-4),
+        wrench_tool=contact,
+        joint_names=np.array(JOINTS),
         control_dt=DT,
     )
     robot = find_robot("kuka_lwr")

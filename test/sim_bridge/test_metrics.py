@@ -88,6 +88,9 @@ def test_bounds_may_move_with_time_and_be_zero() -> None:
 
 
 def test_percentiles_are_microseconds_and_empty_without_samples() -> None:
-    assert percentiles([1e-4] * 99 + [1e-3]) == {"p50": 100.0, "p99": pytest.approx(109.0),
-                                                 "max": 1000.0}
+    assert percentiles([1e-4] * 99 + [1e-3]) == {
+        "p50": 100.0,
+        "p99": pytest.approx(109.0),
+        "max": 1000.0,
+    }
     assert percentiles([]) == {"p50": None, "p99": None, "max": None}

@@ -48,7 +48,9 @@ def test_paper_scenarios_settle_run_at_1_khz_and_leave_the_rate_limit_off(name: 
         assert scenario.torque_rate_limit == 0.0
         assert all(phase.hold >= 8.0 for phase in scenario.phases)
         assert {reference.task for reference in scenario.references} == {
-            "end_effector", "elbow", "posture"
+            "end_effector",
+            "elbow",
+            "posture",
         }
 
 

@@ -30,13 +30,18 @@ def jerk_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]]) -> Figure:
         for index, (name, (summary, log)) in enumerate(runs.items()):
             integral = np.cumsum(jerk_steps(log.acceleration))
             where = _phase_axis(log.time, summary["phases"])
-            ax.semilogy(where[::20], np.maximum(integral[::20], 1.0), color=colour(index),
-                        label=f"{name}: {integral[-1]:.0f}")
+            ax.semilogy(
+                where[::20],
+                np.maximum(integral[::20], 1.0),
+                color=colour(index),
+                label=f"{name}: {integral[-1]:.0f}",
+            )
         summary = next(iter(runs.values()))[0]
         _mark_phase_axis(ax, summary)
         ax.set_ylabel("integral of |jerk|,\nsum of the joints [rad/s$^2$]")
-        figure.legend(loc="outside right upper", title="run: at the end [rad/s$^2$]",
-                      title_fontsize=8)
+        figure.legend(
+            loc="outside right upper", title="run: at the end [rad/s$^2$]", title_fontsize=8
+        )
         return figure
 
 
@@ -53,8 +58,9 @@ def rate_comparison(summaries: Mapping[str, Summary]) -> Figure:
         ax.set_yscale("log")
         summary = next(iter(summaries.values()))
         _mark_phase_axis(ax, summary)
-        ax.set_ylabel("largest torque rate [Nm/s]\n"
-                      f"at a period of {1e3 * summary['control_dt_s']:g} ms")
+        ax.set_ylabel(
+            f"largest torque rate [Nm/s]\nat a period of {1e3 * summary['control_dt_s']:g} ms"
+        )
         figure.legend(loc="outside right upper")
         return figure
 
@@ -69,8 +75,12 @@ def nonstrict_comparison(analyses: Sequence[tuple[float, Analysis]]) -> Figure:
         axes = figure.subplots(1, len(analyses), sharey=True)
         for ax, (alpha, analysis) in zip(np.atleast_1d(axes), analyses, strict=True):
             for index, task in enumerate(analysis.history.tasks[:2]):
-                ax.plot(analysis.history.time, task.error, color=colour(index),
-                        label=f"{task.name}: {task.error[-1]:.3f} m")
+                ax.plot(
+                    analysis.history.time,
+                    task.error,
+                    color=colour(index),
+                    label=f"{task.name}: {task.error[-1]:.3f} m",
+                )
             ax.set_title(rf"$\alpha_{{12}}$ = {alpha:g}")
             ax.set_xlabel("time [s]")
             ax.set_ylim(bottom=0.0)

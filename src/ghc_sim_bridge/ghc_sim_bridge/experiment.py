@@ -69,21 +69,43 @@ def _parser() -> argparse.ArgumentParser:
         description="Run a scenario over DDS, every node a process, and write its results.",
         epilog=f"scenarios: {', '.join(scenario_names())}",
     )
-    parser.add_argument("--scenario", required=True, metavar="NAME",
-                        help="name of a scenario of this package, or a .yaml file")
+    parser.add_argument(
+        "--scenario",
+        required=True,
+        metavar="NAME",
+        help="name of a scenario of this package, or a .yaml file",
+    )
     parser.add_argument("--variant", default="", help="only this variant of the scenario")
     parser.add_argument("--formulation", help="how tasks and hierarchy become torques")
-    parser.add_argument("--transition", type=float, metavar="SECONDS",
-                        help="duration of every transition; hqp switches at once by default")
+    parser.add_argument(
+        "--transition",
+        type=float,
+        metavar="SECONDS",
+        help="duration of every transition; hqp switches at once by default",
+    )
     parser.add_argument("--dt", type=float, metavar="SECONDS", help="control period")
-    parser.add_argument("--record", default="decimated", choices=RECORD_MODES,
-                        help="fast topics at 100 Hz, or every message")
+    parser.add_argument(
+        "--record",
+        default="decimated",
+        choices=RECORD_MODES,
+        help="fast topics at 100 Hz, or every message",
+    )
     parser.add_argument("--view", action="store_true", help="show the run live in Rerun")
     parser.add_argument("--mode", default=MODES[0], choices=MODES)
-    parser.add_argument("--param", action="append", default=[], metavar="NODE:NAME:=VALUE",
-                        help="a parameter of one node; may be repeated")
-    parser.add_argument("--output", type=Path, default=Path("results"), metavar="DIR",
-                        help="root of all results (default: results)")
+    parser.add_argument(
+        "--param",
+        action="append",
+        default=[],
+        metavar="NODE:NAME:=VALUE",
+        help="a parameter of one node; may be repeated",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("results"),
+        metavar="DIR",
+        help="root of all results (default: results)",
+    )
     return parser
 
 

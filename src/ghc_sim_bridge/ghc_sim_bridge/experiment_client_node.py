@@ -90,8 +90,10 @@ class ExperimentClient(Node):
     def hears_script(self, node: str) -> bool:
         """Whether a node reads the references and the transitions."""
         return all(
-            any(reader.node_name == node
-                for reader in self.get_subscriptions_info_by_topic(publisher.topic_name))
+            any(
+                reader.node_name == node
+                for reader in self.get_subscriptions_info_by_topic(publisher.topic_name)
+            )
             for publisher in (self._references, self._transitions)
         )
 

@@ -74,8 +74,16 @@ def label_phases(ax: Axes, phases: Sequence[PlannedPhase], tasks: Sequence[str])
     for planned in phases:
         middle = 0.5 * (planned.start + planned.ramp + planned.end)
         text = short_hierarchy(planned.phase.hierarchy, tasks)
-        ax.annotate(text, (middle, 1.0), (0, 4), xycoords=("data", "axes fraction"),
-                    textcoords="offset points", ha="center", va="bottom", fontsize=9.5)
+        ax.annotate(
+            text,
+            (middle, 1.0),
+            (0, 4),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=9.5,
+        )
 
 
 def envelope(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -39,7 +41,7 @@ def run_figures(analysis: Analysis, trace: ControllerTrace) -> dict[str, Figure]
             if task.unit == "m" and np.ptp(task.reference, axis=0).max() > _MOVES:
                 figures[f"path_{task.name}"] = path_figure(analysis, task)
             if task.desired_force is not None and task.measured_force is not None:
-                figures[f"force_{task.name}"] = force_figure(analysis, task)
+                figures[f"force_{task.name}"] = force_figure(analysis, trace, task)
     return figures
 
 
@@ -61,8 +63,11 @@ def tasks_figure(analysis: Analysis, trace: ControllerTrace) -> Figure:
     logarithmic.set_xlabel("time [s]")
     logarithmic.yaxis.set_major_locator(LogLocator(numticks=6))
     logarithmic.yaxis.set_minor_formatter(NullFormatter())
-    figure.legend(*logarithmic.get_legend_handles_labels(), loc="outside lower center",
-                  ncols=len(analysis.history.tasks))
+    figure.legend(
+        *logarithmic.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=len(analysis.history.tasks),
+    )
     for ax in axes:
         mark_phases(ax, analysis.plan.phases)
     names = [task.name for task in analysis.history.tasks]
@@ -80,8 +85,13 @@ def joints_figure(analysis: Analysis) -> Figure:
         velocity.plot(history.time, log.v[history.rows, index], color=colour(index), label=name)
     _draw_bounds(velocity, log.v, limits.velocity)
     velocity.set_ylabel("joint velocity [rad/s]")
-    velocity.legend(ncols=len(log.joint_names), loc="lower center", bbox_to_anchor=(0.5, 1.0),
-                    columnspacing=1.0, handlelength=1.2)
+    velocity.legend(
+        ncols=len(log.joint_names),
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        columnspacing=1.0,
+        handlelength=1.2,
+    )
     shown, bound = log.torque[history.rows], limits.torque
     label = "joint torque [Nm]"
     if limits.torque_bound is not None:
@@ -97,8 +107,14 @@ def joints_figure(analysis: Analysis) -> Figure:
     rate.semilogy(*envelope(log.time, np.maximum(rates, 1e-2), block), color="#000000", lw=0.8)
     if limits.torque_rate > 0.0:
         rate.axhline(limits.torque_rate, color="#D55E00", ls="--", lw=1.0)
-        rate.annotate("rate limit", (0.0, limits.torque_rate), (4, 3), color="#D55E00",
-                      textcoords="offset points", fontsize=8)
+        rate.annotate(
+            "rate limit",
+            (0.0, limits.torque_rate),
+            (4, 3),
+            color="#D55E00",
+            textcoords="offset points",
+            fontsize=8,
+        )
     rate.set_ylabel(f"largest torque rate [Nm/s]\nat a period of {1e3 * log.control_dt:g} ms")
     rate.set_xlabel("time [s]")
     for ax in (velocity, torque, rate):
@@ -134,48 +150,77 @@ def path_figure(analysis: Analysis, task: TaskHistory) -> Figure:
     axes = figure.subplots(1, 3)
     shown = np.where(on_top[:, None], task.position, np.nan)
     for ax, (i, j) in zip(axes, ((0, 1), (0, 2), (1, 2)), strict=True):
-        ax.plot(task.reference[:, i], task.reference[:, j], color="#BBBBBB", lw=4.0,
-                label="desired")
+        ax.plot(
+            task.reference[:, i], task.reference[:, j], color="#BBBBBB", lw=4.0, label="desired"
+        )
         ax.plot(shown[:, i], shown[:, j], color=colour(1), lw=1.2, label="resulting")
         ax.set_xlabel(f"{'xyz'[i]} [m]")
         ax.set_ylabel(f"{'xyz'[j]} [m]")
         ax.set_aspect("equal", adjustable="datalim")
     axes[0].legend(loc="upper left")
     largest = float(task.error[on_top].max(initial=0.0))
-    figure.suptitle(f"{_title(analysis)}\n{task.name} while its task is on top (from a quarter "
-                    f"of the phase on): largest error {largest:.2g} m", fontsize=10)
+    figure.suptitle(
+        f"{_title(analysis)}\n{task.name} while its task is on top (from a quarter "
+        f"of the phase on): largest error {largest:.2g} m",
+        fontsize=10,
+    )
     return figure
 
 
-def force_figure(analysis: Analysis, task: TaskHistory) -> Figure:
-    """Errors of the motion tasks, desired and resulting contact force (figure 10)."""
+def force_figure(analysis: Analysis, trace: ControllerTrace, task: TaskHistory) -> Figure:
+    """Priorities, position errors, desired and resulting contact force (figure 10)."""
     history = analysis.history
-    figure = new_figure(9.0, 5.6)
-    errors, force = figure.subplots(2, 1, sharex=True)
+    figure = new_figure(9.0, 6.4)
+    alphas, errors, force = figure.subplots(3, 1, sharex=True, height_ratios=[0.5, 1.5, 1.8])
+    _draw_alphas([alphas], _alpha_panels(trace)[:1], trace)
     for index, other in enumerate(history.tasks):
         if other.unit == "m":
             suffix = " (in contact: within the plane)" if other is task else ""
-            errors.plot(history.time, other.error, color=colour(index),
-                        label=f"{index + 1}: {other.name}{suffix}")
+            errors.plot(
+                history.time,
+                other.error,
+                color=colour(index),
+                label=f"{index + 1}: {other.name}{suffix}",
+            )
     errors.set_ylabel("position error [m]")
     errors.legend(loc="upper right")
-    desired, measured = task.desired_force, task.measured_force
-    assert desired is not None and measured is not None
-    for axis in range(desired.shape[1]):
-        if np.abs(desired[:, axis]).max() > 0.0:
-            name = "xyz"[axis]
-            force.plot(history.time, measured[:, axis], color=colour(axis), lw=1.0,
-                       label=f"resulting, {name}")
-            force.plot(history.time, desired[:, axis], color="#000000", ls="--", lw=1.0,
-                       label=f"desired, {name}")
-    force.set_ylabel("force on the plane [N]")
+    _draw_forces(force, analysis, task)
+    force.set_ylabel("force of the robot\non the plane [N]")
     force.set_xlabel("time [s]")
-    force.legend(loc="upper right")
-    for ax in (errors, force):
+    for ax in (alphas, errors, force):
         mark_phases(ax, analysis.plan.phases)
-    label_phases(errors, analysis.plan.phases, [other.name for other in history.tasks])
+    label_phases(alphas, analysis.plan.phases, [other.name for other in history.tasks])
     figure.suptitle(_title(analysis), fontsize=10)
     return figure
+
+
+def _draw_forces(ax: Axes, analysis: Analysis, task: TaskHistory) -> None:
+    """Axes under force control: what was desired, and every sample of what resulted."""
+    assert task.desired_force is not None and task.contact is not None
+    log = analysis.log
+    for axis, name in enumerate("xyz"):
+        desired = task.desired_force[:, axis]
+        if np.abs(desired).max() == 0.0:
+            continue
+        force = -log.wrenches[task.contact][:, axis]  # the log has that on the robot
+        ax.plot(log.time, force, color=colour(2), lw=1.0, label=f"resulting, {name}")
+        ax.plot(
+            analysis.history.time,
+            desired,
+            color="#000000",
+            ls="--",
+            lw=1.0,
+            label=f"desired, {name}",
+        )
+        peak = int(np.abs(force).argmax())
+        ax.annotate(
+            f"largest: {force[peak]:.1f} N at {log.time[peak]:.2f} s",
+            (log.time[peak], force[peak]),
+            (8, 14),
+            textcoords="offset points",
+            fontsize=8,
+        )
+    ax.legend(loc="upper right")
 
 
 def _title(analysis: Analysis) -> str:
@@ -195,13 +240,18 @@ def _alpha_panels(trace: ControllerTrace) -> list[list[tuple[int, int]]]:
 
 
 def _draw_alphas(
-    axes: NDArray[np.object_], panels: list[list[tuple[int, int]]], trace: ControllerTrace
+    axes: Sequence[Axes], panels: list[list[tuple[int, int]]], trace: ControllerTrace
 ) -> None:
     alpha = trace.alpha_over_time()
     for ax, panel in zip(axes, panels, strict=True):
         for (i, j), style in zip(panel, ("-", "--", ":"), strict=False):
-            ax.plot(trace.time, alpha[:, i, j], style, color=colour(i),
-                    label=rf"$\alpha_{{{i + 1}{j + 1}}}$")
+            ax.plot(
+                trace.time,
+                alpha[:, i, j],
+                style,
+                color=colour(i),
+                label=rf"$\alpha_{{{i + 1}{j + 1}}}$",
+            )
         ax.set_ylim(-0.1, 1.1)
         ax.set_yticks([0.0, 1.0])
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=1.4, fontsize=9)
@@ -234,5 +284,13 @@ def _draw_bounds(ax: Axes, values: Array, bound: Array) -> None:
         note = f"bounds \u00b1{tight:g}"
     else:
         note = f"at most {100.0 * float((reach / bound).max()):.0f} % of a joint's limit"
-    ax.annotate(note, (1.0, 1.0), (-4, 2), xycoords="axes fraction",
-                textcoords="offset points", ha="right", va="bottom", fontsize=8)
+    ax.annotate(
+        note,
+        (1.0, 1.0),
+        (-4, 2),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha="right",
+        va="bottom",
+        fontsize=8,
+    )

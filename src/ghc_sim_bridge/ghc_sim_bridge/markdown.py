@@ -23,6 +23,6 @@ def number(value: float | None, digits: int = 2) -> str:
     if value == 0.0:
         return "0"
     if 1e-2 <= abs(value) < 1e5:
-        return f"{value:.{digits}g}" if abs(value) < 10 ** digits else f"{value:.0f}"
+        return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     return f"{mantissa}e{int(exponent)}"

@@ -96,8 +96,10 @@ def percentiles(seconds: Sequence[float]) -> Mapping[str, float | None]:
     if not seconds:
         return {"p50": None, "p99": None, "max": None}
     p50, p99 = np.percentile(seconds, [50.0, 99.0])
-    return {name: round(float(value) * 1e6, 3)
-            for name, value in (("p50", p50), ("p99", p99), ("max", max(seconds)))}
+    return {
+        name: round(float(value) * 1e6, 3)
+        for name, value in (("p50", p50), ("p99", p99), ("max", max(seconds)))
+    }
 
 
 def _fraction(excess: Array, bound: Array, half: Array) -> Array:

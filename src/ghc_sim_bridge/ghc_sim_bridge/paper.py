@@ -59,14 +59,32 @@ def _parser() -> argparse.ArgumentParser:
         description="Run the GHC paper's experiments and write docs/results.md.",
         epilog=f"runs: {', '.join(run.name for run in PAPER_RUNS)}",
     )
-    parser.add_argument("--only", action="append", default=[], metavar="NAME",
-                        help="only this run or scenario; may be repeated")
-    parser.add_argument("--document-only", action="store_true",
-                        help="write the document from the results that are there")
-    parser.add_argument("--output", type=Path, default=Path("results"), metavar="DIR",
-                        help="root of all results (default: results)")
-    parser.add_argument("--docs", type=Path, default=Path("docs"), metavar="DIR",
-                        help="where results.md and figures/ go (default: docs)")
+    parser.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="only this run or scenario; may be repeated",
+    )
+    parser.add_argument(
+        "--document-only",
+        action="store_true",
+        help="write the document from the results that are there",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("results"),
+        metavar="DIR",
+        help="root of all results (default: results)",
+    )
+    parser.add_argument(
+        "--docs",
+        type=Path,
+        default=Path("docs"),
+        metavar="DIR",
+        help="where results.md and figures/ go (default: docs)",
+    )
     return parser
 
 

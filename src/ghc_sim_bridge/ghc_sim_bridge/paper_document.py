@@ -77,18 +77,28 @@ def _runs_section(summaries: Mapping[str, Mapping[str, Any]]) -> str:
             continue
         excess = max(summary["limit_violations"].values(), default=0.0)
         ended = all(code == 0 for code in summary["nodes"].values())
-        rows.append([
-            f"`{run.name}`",
-            f"{summary['sim_seconds']:g}",
-            number(summary["real_time_factor"], 3),
-            number(summary["step_time_us"]["p50"], 3),
-            str(summary["qp_failures"]),
-            str(summary["fallback_ticks"]),
-            number(100.0 * excess),
-            "all 0" if ended else str(dict(summary["nodes"])),
-        ])
-    head = ["run", "simulated [s]", "x real time", "control step, median [µs]", "QP failures",
-            "fallback ticks", "largest excess of a limit [%]", "exit codes"]
+        rows.append(
+            [
+                f"`{run.name}`",
+                f"{summary['sim_seconds']:g}",
+                number(summary["real_time_factor"], 3),
+                number(summary["step_time_us"]["p50"], 3),
+                str(summary["qp_failures"]),
+                str(summary["fallback_ticks"]),
+                number(100.0 * excess),
+                "all 0" if ended else str(dict(summary["nodes"])),
+            ]
+        )
+    head = [
+        "run",
+        "simulated [s]",
+        "x real time",
+        "control step, median [µs]",
+        "QP failures",
+        "fallback ticks",
+        "largest excess of a limit [%]",
+        "exit codes",
+    ]
     return (
         "## The runs\n\n"
         f"{table(head, rows)}\n\n"

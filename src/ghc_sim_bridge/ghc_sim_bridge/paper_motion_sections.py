@@ -18,15 +18,27 @@ def insertion_section(summaries: Summaries, pictures: Pictures) -> str:
     summary = summaries.get("insertion_removal")
     if summary is None:
         return ""
-    return "\n\n".join([
-        "## Thesis, figure 3.2: insertion and removal of a task (`insertion_removal`)",
-        _phases(summary),
-        *_shown(pictures, [("insertion_removal_tasks.png",
-                            "Thesis, figure 3.2: the end-effector task is inserted at the top and "
-                            "removed again.")]),
-        "As in the thesis: the end-effector error falls to zero while its task is on top, the "
-        "elbow keeps what is left of its own, and no error jumps. The sizes follow our targets.",
-    ])
+    return "\n\n".join(
+        [
+            "## Thesis, figure 3.2: insertion and removal of a task (`insertion_removal`)",
+            _phases(summary),
+            *_shown(
+                pictures,
+                [
+                    (
+                        "insertion_removal_tasks.png",
+                        "Thesis, figure 3.2: the end-effector task is inserted at the top and "
+                        "removed again.",
+                    )
+                ],
+            ),
+            _INSERTION_REASONS,
+        ]
+    )
+
+
+_INSERTION_REASONS = """As in the thesis: the end-effector error falls to zero while its task is on
+top, the elbow keeps what is left of its own, and no error jumps. The sizes follow our targets."""
 
 
 def lemniscate_section(summaries: Summaries, pictures: Pictures) -> str:
@@ -35,20 +47,32 @@ def lemniscate_section(summaries: Summaries, pictures: Pictures) -> str:
     if summary is None:
         return ""
     paper, excess = summary["paper"], summary["limit_violations"]
-    return "\n\n".join([
-        "## Figures 6 to 8: tracking within velocity and torque bounds (`lemniscate`)",
-        _phases(summary),
-        f"Bounds: velocity {paper['velocity_limit_rad_per_s']:g} rad/s and torque "
-        f"{paper['torque_limit_nm']:g} Nm, as in the paper. Largest excess: velocity "
-        f"{number(100.0 * excess['velocity'])} %, torque {number(100.0 * excess['torque_bound'])} "
-        f"%. Ticks with a soft row giving way: {summary['counts'].get('relaxed_ticks', '–')}.",
-        *_shown(pictures, [
-            ("lemniscate_path.png", "Figure 6: desired and resulting path of the end effector."),
-            ("lemniscate_tasks.png", "Figure 7: priorities and task errors."),
-            ("lemniscate_joints.png", "Figure 8: joint velocities and torques with their bounds."),
-        ]),
-        _LEMNISCATE_REASONS,
-    ])
+    return "\n\n".join(
+        [
+            "## Figures 6 to 8: tracking within velocity and torque bounds (`lemniscate`)",
+            _phases(summary),
+            f"Bounds: velocity {paper['velocity_limit_rad_per_s']:g} rad/s and torque "
+            f"{paper['torque_limit_nm']:g} Nm, as in the paper. Largest excess: velocity "
+            f"{number(100.0 * excess['velocity'])} %, torque "
+            f"{number(100.0 * excess['torque_bound'])} %. Ticks with a soft row giving way: "
+            f"{summary['counts'].get('relaxed_ticks', '–')}.",
+            *_shown(
+                pictures,
+                [
+                    (
+                        "lemniscate_path.png",
+                        "Figure 6: desired and resulting path of the end effector.",
+                    ),
+                    ("lemniscate_tasks.png", "Figure 7: priorities and task errors."),
+                    (
+                        "lemniscate_joints.png",
+                        "Figure 8: joint velocities and torques with their bounds.",
+                    ),
+                ],
+            ),
+            _LEMNISCATE_REASONS,
+        ]
+    )
 
 
 _LEMNISCATE_REASONS = """Why they differ from the paper's: 1.5 Nm on the torques themselves, which
@@ -71,14 +95,23 @@ def contact_section(summaries: Summaries, pictures: Pictures) -> str:
         for axis, d, m in zip("xyz", desired, measured, strict=True)
         if d != 0.0
     )
-    return "\n\n".join([
-        "## Figures 9 and 10: contact force (`contact_force`)",
-        _phases(summary),
-        f"Force of `{task}` on the plane at the end: {forces}.",
-        *_shown(pictures, [("contact_force.png",
-                            "Figure 10: position errors, desired and resulting contact force.")]),
-        _CONTACT_REASONS,
-    ])
+    return "\n\n".join(
+        [
+            "## Figures 9 and 10: contact force (`contact_force`)",
+            _phases(summary),
+            f"Force of `{task}` on the plane at the end: {forces}.",
+            *_shown(
+                pictures,
+                [
+                    (
+                        "contact_force.png",
+                        "Figure 10: position errors, desired and resulting contact force.",
+                    )
+                ],
+            ),
+            _CONTACT_REASONS,
+        ]
+    )
 
 
 _CONTACT_REASONS = """As in the paper: after the switch the end effector moves to the plane and,
@@ -97,28 +130,48 @@ def nonstrict_section(summaries: Summaries, pictures: Pictures) -> str:
     for name, alpha in present.items():
         errors = summaries[name]["phases"][-1]["errors"]
         rows.append([f"{alpha:g}", number(errors["end_effector"], 3), number(errors["elbow"], 3)])
-    return "\n\n".join([
-        "## Figure 11: constant non-strict priorities (`nonstrict`)",
-        table(["alpha_12", "end effector [m]", "elbow [m]"], rows),
-        *_shown(pictures, [("nonstrict.png",
-                            "Figure 11: errors of the two tasks for three constant priorities.")]),
-        "As in the paper: no task is reached, 0.5 is a compromise, and a larger alpha_12 favours "
-        "the elbow at the expense of the end effector. The sizes follow our targets; how far a "
-        "step of alpha moves the compromise follows the geometry of the two tasks.",
-    ])
+    return "\n\n".join(
+        [
+            "## Figure 11: constant non-strict priorities (`nonstrict`)",
+            table(["alpha_12", "end effector [m]", "elbow [m]"], rows),
+            *_shown(
+                pictures,
+                [
+                    (
+                        "nonstrict.png",
+                        "Figure 11: errors of the two tasks for three constant priorities.",
+                    )
+                ],
+            ),
+            _NONSTRICT_REASONS,
+        ]
+    )
+
+
+_NONSTRICT_REASONS = """As in the paper: no task is reached, 0.5 is an equal compromise, and a
+larger alpha_12 favours the elbow at the expense of the end effector. The sizes follow our
+targets."""
 
 
 def _phases(summary: Summary) -> str:
     units = summary["error_units"]
     rates = summary["peak_torque_rate_nm_per_s"]["per_phase"]
     rows = [
-        [f"`{phase['hierarchy']}`", f"{phase['t_end']:g}",
-         *(number(phase["errors"][task], 3) for task in units), f"{rate:.0f}"]
+        [
+            f"`{phase['hierarchy']}`",
+            f"{phase['t_end']:g}",
+            *(number(phase["errors"][task], 3) for task in units),
+            f"{rate:.0f}",
+        ]
         for phase, rate in zip(summary["phases"], rates, strict=True)
     ]
     period = 1e3 * summary["control_dt_s"]
-    head = ["hierarchy", "until [s]", *(f"{task} [{unit}]" for task, unit in units.items()),
-            f"torque rate [Nm/s at {period:g} ms]"]
+    head = [
+        "hierarchy",
+        "until [s]",
+        *(f"{task} [{unit}]" for task, unit in units.items()),
+        f"torque rate [Nm/s at {period:g} ms]",
+    ]
     return "Task errors at the end of each phase:\n\n" + table(head, rows)
 
 

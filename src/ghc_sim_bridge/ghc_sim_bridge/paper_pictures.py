@@ -77,8 +77,11 @@ def write_pictures(results: Mapping[str, Result], folder: Path) -> frozenset[str
             rates["hqp, rate limit on"] = results["hqp_gated"].summary
         save_png(rate_comparison(rates), folder / "switching_rates.png")
         written |= {"switching_jerk.png", "switching_rates.png"}
-    weights = [(alpha, _analysis(results[name]))
-               for name, alpha in NONSTRICT_RUNS.items() if name in results]
+    weights = [
+        (alpha, _analysis(results[name]))
+        for name, alpha in NONSTRICT_RUNS.items()
+        if name in results
+    ]
     if weights:
         save_png(nonstrict_comparison(weights), folder / "nonstrict.png")
         written.add("nonstrict.png")

@@ -69,9 +69,7 @@ def choose_runs(names: Sequence[str]) -> tuple[PaperRun, ...]:
     for name in names:
         found = [run for run in PAPER_RUNS if name in (run.name, run.scenario)]
         if not found:
-            known = dict.fromkeys(
-                key for run in PAPER_RUNS for key in (run.name, run.scenario)
-            )
+            known = dict.fromkeys(key for run in PAPER_RUNS for key in (run.name, run.scenario))
             raise UnknownName("paper run", name, known)
         chosen += [run for run in found if run not in chosen]
     return tuple(chosen)

@@ -34,21 +34,25 @@ def table_section(summaries: Summaries) -> str:
         paper = first["paper"]["phase_errors"][index]["paper"]
         for task, unit in first["error_units"].items():
             ours = [summaries[name]["phases"][index]["errors"][task] for name in present]
-            rows.append([
-                f"{_short(phase['hierarchy'])}, task {_NUMBERS.get(task, task)} [{unit}]",
-                number(paper["ghc"][task]),
-                number(paper["hqp"][task]),
-                *(number(value, 3) for value in ours),
-            ])
+            rows.append(
+                [
+                    f"{_short(phase['hierarchy'])}, task {_NUMBERS.get(task, task)} [{unit}]",
+                    number(paper["ghc"][task]),
+                    number(paper["hqp"][task]),
+                    *(number(value, 3) for value in ours),
+                ]
+            )
     head = ["phase and task", "paper, GHC", "paper, HQP", *(f"ours, {name}" for name in present)]
-    return "\n\n".join([
-        "## Table 1: task errors at the end of each phase (`priority_switching`)",
-        "Transitions of 2 s and 8 s to settle; `hqp` switches at once and has the same 8 s. The "
-        "paper gives no fifth column: the last phase repeats its second one.",
-        table(head, rows),
-        _comparison(summaries),
-        _TABLE_REASONS,
-    ])
+    return "\n\n".join(
+        [
+            "## Table 1: task errors at the end of each phase (`priority_switching`)",
+            "Transitions of 2 s and 8 s to settle; `hqp` switches at once and has the same 8 s. "
+            "The paper gives no fifth column: the last phase repeats its second one.",
+            table(head, rows),
+            _comparison(summaries),
+            _TABLE_REASONS,
+        ]
+    )
 
 
 _TABLE_REASONS = """Why they differ from the paper's:
@@ -79,8 +83,11 @@ def _comparison(summaries: Summaries) -> str:
         small = a <= _SETTLED and b <= _SETTLED
         change = "both below 1e-3" if small else f"{100.0 * (a - b) / b:+.2f} %"
         parts.append(f"{_short(ours['hierarchy'])}: {change}")
-    return ("Error of the second task, `balanced` against `hqp` (asked: within 3 % or 1e-3): "
-            + "; ".join(parts) + ".")
+    return (
+        "Error of the second task, `balanced` against `hqp` (asked: within 3 % or 1e-3): "
+        + "; ".join(parts)
+        + "."
+    )
 
 
 def transition_section(summaries: Summaries, pictures: frozenset[str]) -> str:
@@ -94,16 +101,23 @@ def transition_section(summaries: Summaries, pictures: frozenset[str]) -> str:
         summary = summaries[name]
         rates = summary["peak_torque_rate_nm_per_s"]
         jerk = summary["jerk_integral"]
-        rows.append([
-            f"`{_TRANSITIONS[name][0]}`, {_TRANSITIONS[name][1]}",
-            *(f"{rate:.0f}" for rate in rates["per_phase"]),
-            number(jerk["per_phase"][1], 3),
-            f"{jerk['total']:.0f}",
-            str(summary["gated_ticks"]),
-        ])
+        rows.append(
+            [
+                f"`{_TRANSITIONS[name][0]}`, {_TRANSITIONS[name][1]}",
+                *(f"{rate:.0f}" for rate in rates["per_phase"]),
+                number(jerk["per_phase"][1], 3),
+                f"{jerk['total']:.0f}",
+                str(summary["gated_ticks"]),
+            ]
+        )
     phases = [_short(phase["hierarchy"]) for phase in summaries[present[0]]["phases"]]
-    head = ["run", *(f"rate in {phase}" for phase in phases),
-            f"jerk integral in {phases[1]}", "jerk integral, whole run", "gated ticks"]
+    head = [
+        "run",
+        *(f"rate in {phase}" for phase in phases),
+        f"jerk integral in {phases[1]}",
+        "jerk integral, whole run",
+        "gated ticks",
+    ]
     parts = [
         "## Figures 2 to 5: what a transition costs (`priority_switching`)",
         f"Largest torque rate [Nm/s] at a control period of {period:g} ms, and the integral of "

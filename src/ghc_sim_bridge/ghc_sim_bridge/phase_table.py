@@ -12,20 +12,28 @@ def phase_table(summary: Mapping[str, Any]) -> str:
     """Hierarchy, task errors at the end, peak torque rate and jerk integral of each phase."""
     units = summary["error_units"]
     period = 1e3 * summary["control_dt_s"]
-    head = ["phase", "hierarchy", "from [s]", "to [s]",
-            *(f"{task} [{unit}]" for task, unit in units.items()),
-            f"torque rate [Nm/s @ {period:g} ms]", "jerk integral [rad/s^2]"]
+    head = [
+        "phase",
+        "hierarchy",
+        "from [s]",
+        "to [s]",
+        *(f"{task} [{unit}]" for task, unit in units.items()),
+        f"torque rate [Nm/s @ {period:g} ms]",
+        "jerk integral [rad/s^2]",
+    ]
     rows = []
     for index, phase in enumerate(summary["phases"]):
-        rows.append([
-            str(index + 1),
-            phase["hierarchy"],
-            f"{phase['t_start']:g}",
-            f"{phase['t_end']:g}",
-            *(f"{phase['errors'][task]:.2e}" for task in units),
-            f"{summary['peak_torque_rate_nm_per_s']['per_phase'][index]:.0f}",
-            f"{summary['jerk_integral']['per_phase'][index]:.1f}",
-        ])
+        rows.append(
+            [
+                str(index + 1),
+                phase["hierarchy"],
+                f"{phase['t_start']:g}",
+                f"{phase['t_end']:g}",
+                *(f"{phase['errors'][task]:.2e}" for task in units),
+                f"{summary['peak_torque_rate_nm_per_s']['per_phase'][index]:.0f}",
+                f"{summary['jerk_integral']['per_phase'][index]:.1f}",
+            ]
+        )
     return _aligned(head, rows)
 
 
@@ -36,20 +44,24 @@ def outcome_lines(summary: Mapping[str, Any]) -> str:
     limits = ", ".join(f"{name} {100.0 * value:.2g} %" for name, value in worst.items())
     failed = {name: code for name, code in summary["nodes"].items() if code != 0}
     nodes = ", ".join(f"{name} {code}" for name, code in failed.items())
-    return "\n".join([
-        f"limits exceeded: {limits or 'none'}; qp failures: {summary['qp_failures']}, fallback "
-        f"ticks: {summary['fallback_ticks']}, gated ticks: {summary['gated_ticks']}",
-        f"exit codes: {nodes or 'all nodes 0'}; {summary['sim_seconds']:g} s simulated in "
-        f"{summary['wall_seconds']:.1f} s ({summary['real_time_factor']:.2f} x real time)",
-    ])
+    return "\n".join(
+        [
+            f"limits exceeded: {limits or 'none'}; qp failures: {summary['qp_failures']}, "
+            f"fallback ticks: {summary['fallback_ticks']}, gated ticks: {summary['gated_ticks']}",
+            f"exit codes: {nodes or 'all nodes 0'}; {summary['sim_seconds']:g} s simulated in "
+            f"{summary['wall_seconds']:.1f} s ({summary['real_time_factor']:.2f} x real time)",
+        ]
+    )
 
 
 def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     widths = [max(len(row[k]) for row in [head, *rows]) for k in range(len(head))]
     lines = []
     for row in [head, *rows]:
-        cells = [cell.ljust(w) if k == 1 else cell.rjust(w)
-                 for k, (cell, w) in enumerate(zip(row, widths, strict=True))]
+        cells = [
+            cell.ljust(w) if k == 1 else cell.rjust(w)
+            for k, (cell, w) in enumerate(zip(row, widths, strict=True))
+        ]
         lines.append("  ".join(cells).rstrip())
     lines.insert(1, "-" * max(len(line) for line in lines))
     return "\n".join(lines)

@@ -35,16 +35,19 @@ def find_executable(package: str, executable: str) -> Path:
     try:
         prefix = Path(get_package_prefix(package))
     except (PackageNotFoundError, KeyError) as error:
-        raise GhcError(f"package '{package}' is not in the ament index; build the workspace and "
-                       "source install/setup.bash") from error
+        raise GhcError(
+            f"package '{package}' is not in the ament index; build the workspace and "
+            "source install/setup.bash"
+        ) from error
     folder = prefix / "lib" / package
     candidates = sorted(folder.iterdir()) if folder.is_dir() else []
     runnable = [path for path in candidates if path.is_file() and os.access(path, os.X_OK)]
     for path in runnable:
         if path.name == executable:
             return path
-    raise UnknownName(f"executable of package '{package}'", executable,
-                      (path.name for path in runnable))
+    raise UnknownName(
+        f"executable of package '{package}'", executable, (path.name for path in runnable)
+    )
 
 
 class NodeProcess:

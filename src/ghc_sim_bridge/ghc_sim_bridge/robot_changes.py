@@ -37,8 +37,10 @@ def _merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
 
 def _merge_tasks(source: Path, tasks: object, changes: object) -> list[dict[str, Any]]:
     if not isinstance(tasks, list) or not isinstance(changes, Mapping):
-        raise ConfigurationError(f"{source}: tasks: a list of tasks and a mapping of changes by "
-                                 f"name are expected, {tasks!r} and {changes!r} given")
+        raise ConfigurationError(
+            f"{source}: tasks: a list of tasks and a mapping of changes by "
+            f"name are expected, {tasks!r} and {changes!r} given"
+        )
     names = [task["name"] for task in tasks]
     for name in changes:
         if name not in names:

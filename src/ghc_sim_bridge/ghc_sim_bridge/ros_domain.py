@@ -39,5 +39,6 @@ class DomainLock:
                 held.pop_all()
                 self._file = file
                 return domain
-        raise GhcError(f"no free ROS domain among {_DOMAINS[0]} to {_DOMAINS[-1]}; set "
-                       "ROS_DOMAIN_ID")
+        raise GhcError(
+            f"no free ROS domain among {_DOMAINS[0]} to {_DOMAINS[-1]}; set ROS_DOMAIN_ID"
+        )

@@ -126,17 +126,23 @@ class _Driver:
         """Until each node has said something."""
         client = self._client
         client.watch_states(True)
-        self._until(lambda: client.state_time is not None, "a joint state from sim_bridge",
-                    _START_DEADLINE)
+        self._until(
+            lambda: client.state_time is not None, "a joint state from sim_bridge", _START_DEADLINE
+        )
         client.watch_states(False)
-        self._until(lambda: client.matrix_received, "a priority matrix from controller",
-                    _START_DEADLINE)
+        self._until(
+            lambda: client.matrix_received, "a priority matrix from controller", _START_DEADLINE
+        )
         for name in self._plan.parameters:
             if name != "sim_bridge":
-                self._until(lambda: client.hears_script(name),  # noqa: B023
-                            f"the subscriptions of {name}", _START_DEADLINE)
-        self._until(lambda: client.pause_service_ready, "the bridge's pause service",
-                    _ANSWER_DEADLINE)
+                self._until(
+                    lambda: client.hears_script(name),  # noqa: B023
+                    f"the subscriptions of {name}",
+                    _START_DEADLINE,
+                )
+        self._until(
+            lambda: client.pause_service_ready, "the bridge's pause service", _ANSWER_DEADLINE
+        )
 
     def send_script(self) -> None:
         """References and transitions, before time runs; each transition until it is answered."""
@@ -166,8 +172,10 @@ class _Driver:
                     client.watch_states(near_end)
                 if time.monotonic() - heard_at > _STALL_DEADLINE:
                     at = client.trace.time[-1] if client.trace.time else 0.0
-                    raise GhcError(f"no controller_state for {_STALL_DEADLINE:g} s after "
-                                   f"t = {at:g} s of {plan.duration:g} s")
+                    raise GhcError(
+                        f"no controller_state for {_STALL_DEADLINE:g} s after "
+                        f"t = {at:g} s of {plan.duration:g} s"
+                    )
         return time.monotonic() - began
 
     def _at_end(self) -> bool:
@@ -192,8 +200,10 @@ class _Driver:
             self._turn()
             client.raise_if_rejected()
             if time.monotonic() > deadline:
-                raise GhcError(f"the controller did not answer transition '{transition.id}' "
-                               f"within {_ANSWER_DEADLINE:g} s")
+                raise GhcError(
+                    f"the controller did not answer transition '{transition.id}' "
+                    f"within {_ANSWER_DEADLINE:g} s"
+                )
 
     def _until(self, condition: Callable[[], bool], what: str, seconds: float) -> None:
         deadline = time.monotonic() + seconds

@@ -76,8 +76,10 @@ def parse_parameter(text: str) -> tuple[str, str, Any]:
     target, separator, value = text.partition(":=")
     node, colon, name = target.partition(":")
     if not separator or not colon or not name:
-        raise InvalidValue(f"--param '{text}': node:name:=value is expected, "
-                           "e.g. controller:torque_rate_limit:=1000.0")
+        raise InvalidValue(
+            f"--param '{text}': node:name:=value is expected, "
+            "e.g. controller:torque_rate_limit:=1000.0"
+        )
     if node not in NODES:
         raise UnknownName("node", node, NODES)
     try:
@@ -206,8 +208,12 @@ def _with_parameters(plan: RunPlan) -> RunPlan:
             raise UnknownName("node of this run", node, nodes)
         known = nodes[node].get(name)
         nodes[node][name] = float(value) if _is_float_for(known, value) else value
-    return RunPlan(**{name: getattr(plan, name) for name in plan.__dataclass_fields__
-                      if name != "parameters"}, parameters=nodes)
+    return RunPlan(
+        **{
+            name: getattr(plan, name) for name in plan.__dataclass_fields__ if name != "parameters"
+        },
+        parameters=nodes,
+    )
 
 
 def _is_float_for(known: object, value: object) -> bool:

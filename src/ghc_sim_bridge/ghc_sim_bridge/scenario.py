@@ -120,8 +120,9 @@ def _read_scenario(
         control_dt=fields.number("control_dt", 1e-3, minimum=1e-6),
         transition=fields.number("transition", 2.0, minimum=0.0),
         torque_rate_limit=fields.number("torque_rate_limit", minimum=0.0),
-        references=tuple(read_reference(task, references.section(task))
-                         for task in references.names()),
+        references=tuple(
+            read_reference(task, references.section(task)) for task in references.names()
+        ),
         phases=phases,
         parameters={node: dict(parameters.value(node)) for node in parameters.names()},
         robot_changes=dict(fields.value("robot_changes", {})),
@@ -153,8 +154,9 @@ def _read_table(fields: Fields) -> PriorityTable:
     if not isinstance(rows, list) or len(rows) != size:
         given = len(rows) if isinstance(rows, list) else repr(rows)
         raise fields.error("alpha", f"{size} rows (one per task) are expected, {given} given")
-    alpha = Fields({str(k): row for k, row in enumerate(rows)}, fields.file,
-                   f"{fields.where}.alpha")
+    alpha = Fields(
+        {str(k): row for k, row in enumerate(rows)}, fields.file, f"{fields.where}.alpha"
+    )
     values = tuple(alpha.vector(str(k)) for k in range(size))
     for k, row in enumerate(values):
         if len(row) != size or min(row) < 0.0 or max(row) > 1.0:

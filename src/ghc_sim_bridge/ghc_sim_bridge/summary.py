@@ -110,13 +110,17 @@ def _phased(figure: PhasedFigure) -> dict[str, Any]:
 def _contact_forces(analysis: Analysis) -> dict[str, Any]:
     """Desired and measured force at the end of each phase, of tasks that have one."""
     history, forces = analysis.history, {}
-    ends = [int(np.searchsorted(history.time, planned.end - 1e-9)) - 1
-            for planned in analysis.plan.phases]
+    ends = [
+        int(np.searchsorted(history.time, planned.end - 1e-9)) - 1
+        for planned in analysis.plan.phases
+    ]
     for task in history.tasks:
         if task.desired_force is not None and task.measured_force is not None:
             forces[task.name] = [
-                {"desired_n": task.desired_force[k].tolist(),
-                 "measured_n": task.measured_force[k].tolist()}
+                {
+                    "desired_n": task.desired_force[k].tolist(),
+                    "measured_n": task.measured_force[k].tolist(),
+                }
                 for k in ends
             ]
     return {"contact_force": forces} if forces else {}
@@ -125,8 +129,11 @@ def _contact_forces(analysis: Analysis) -> dict[str, Any]:
 def _beside_paper(analysis: Analysis) -> dict[str, Any]:
     """The scenario's words on the paper, and its figures of each phase beside ours."""
     phases = [
-        {"hierarchy": planned.phase.hierarchy, "paper": dict(planned.phase.paper),
-         "ours": dict(errors)}
+        {
+            "hierarchy": planned.phase.hierarchy,
+            "paper": dict(planned.phase.paper),
+            "ours": dict(errors),
+        }
         for planned, errors in zip(analysis.plan.phases, analysis.phase_errors, strict=True)
         if planned.phase.paper
     ]

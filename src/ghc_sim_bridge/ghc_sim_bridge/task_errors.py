@@ -34,6 +34,7 @@ class TaskHistory:
     reference: Array  # (S, p) its reference
     desired_force: Array | None  # (S, m) [N] to be exerted on the surroundings
     measured_force: Array | None  # (S, m) [N] exerted on the surroundings
+    contact: str | None  # name of the contact that is measured
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +160,9 @@ def _history(task: Task, samples: Sequence[_Sample]) -> TaskHistory:
         reference=np.stack([sample.reference for sample in samples]),
         desired_force=stacked([sample.desired_force for sample in samples]),
         measured_force=stacked([sample.measured_force for sample in samples]),
+        contact=task.force.contact
+        if isinstance(task, FramePositionTask) and task.force is not None
+        else None,
     )
 
 

@@ -49,8 +49,9 @@ class Fields:
     def error(self, field: str, problem: str) -> ConfigurationError:
         """The error of one field of this mapping, to be raised by the caller."""
         name = f"{self.where}.{field}".strip(".")
-        return ConfigurationError(f"{self.file}: {name}: {problem}" if name
-                                  else f"{self.file}: {problem}")
+        return ConfigurationError(
+            f"{self.file}: {name}: {problem}" if name else f"{self.file}: {problem}"
+        )
 
     def has(self, field: str) -> bool:
         """Whether the field is present and not null."""
