@@ -51,3 +51,18 @@ class RecorderParameters:
     )
     fast_rate: float = parameter(100.0, "[Hz] of simulated time, for fast topics", positive)
     executor: str = EXECUTOR
+
+
+@dataclass(frozen=True, slots=True)
+class ViewerParameters:
+    """Parameters of viewer."""
+
+    scene: str = parameter("", "name of a scene, or path of its YAML file", given)
+    robot: str = parameter("", "robot of the controller (name or path); empty = as in the scene")
+    display: str = parameter(
+        "auto",
+        "window, browser (a page served on this machine), or auto (window if there is a screen)",
+        one_of("auto", "window", "browser"),
+    )
+    output: str = parameter("", "write the view to this .rrd file instead of showing it")
+    executor: str = EXECUTOR
