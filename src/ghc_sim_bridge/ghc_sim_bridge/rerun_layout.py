@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ghc_sim_bridge.scene_description import Camera, SceneDescription
 
+APPLICATION = "ghc_control"
 TIMELINE = "simulated time"
 ALPHA = "plots/alpha"
 ERRORS = "plots/task_error"
@@ -44,6 +45,14 @@ PALETTE = np.array(
 )
 ENDLESS = 3.0  # [m] drawn of a plane without an end
 SHEET = 0.002  # [m] height drawn of a plane
+
+
+def new_recording() -> rr.RecordingStream:
+    """An empty recording with simulated time as its only timeline."""
+    recording = rr.RecordingStream(APPLICATION, send_properties=False)
+    recording.set_log_time_enabled(False)
+    recording.set_log_tick_enabled(False)
+    return recording
 
 
 def colours(count: int) -> NDArray[np.uint8]:

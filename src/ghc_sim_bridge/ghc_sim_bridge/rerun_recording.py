@@ -25,13 +25,13 @@ from ghc_sim_bridge.rerun_layout import (
     colours,
     log_lines,
     log_surroundings,
+    new_recording,
 )
 from ghc_sim_bridge.rerun_robot import RerunRobot
 from ghc_sim_bridge.scene_description import SceneDescription
 
 Array = NDArray[np.float64]
 
-APPLICATION = "ghc_control"
 POSE_RATE = 50.0  # [Hz] of simulated time, for what moves in 3D
 PLOT_RATE = 250.0  # [Hz] of simulated time, for torques and their rates
 TARGET_RADIUS = 0.018  # [m]
@@ -71,7 +71,7 @@ def write_rerun(
         ConfigurationError: the robot file cannot be used.
     """
     targets = position_tasks(scene.robot_file if robot_file is None else robot_file)
-    recording = rr.RecordingStream(APPLICATION, send_properties=False)
+    recording = new_recording()
     plots = [ALPHA, ERRORS, TORQUE, TORQUE_RATE] + ([FORCE] if log.wrenches else [])
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}")

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import rerun as rr
 from ghc_msgs.msg import ControllerState
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
@@ -24,7 +23,8 @@ from ghc_controller.robots import find_robot
 from ghc_controller.run_node import guarded, run_node
 from ghc_sim_bridge.live_view import LiveView
 from ghc_sim_bridge.parameters import ViewerParameters
-from ghc_sim_bridge.rerun_recording import APPLICATION, position_tasks
+from ghc_sim_bridge.rerun_layout import new_recording
+from ghc_sim_bridge.rerun_recording import position_tasks
 from ghc_sim_bridge.ros_conversions import CONTROL_SUBSCRIBER_QOS
 from ghc_sim_bridge.scene_description import load_scene
 from ghc_sim_bridge.state_cdr import read_stamp
@@ -48,7 +48,7 @@ class Viewer:
         self.executor = p.executor
         scene = load_scene(p.scene)
         targets = position_tasks(find_robot(p.robot) if p.robot else scene.robot_file)
-        self._recording = rr.RecordingStream(APPLICATION, send_properties=False)
+        self._recording = new_recording()
         self._viewer: ViewerProcess | None = None
         if p.output:
             Path(p.output).parent.mkdir(parents=True, exist_ok=True)

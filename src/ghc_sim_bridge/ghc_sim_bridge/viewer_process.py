@@ -63,7 +63,8 @@ def start_viewer(window: bool) -> ViewerProcess:
     url = f"rerun+http://{LOOPBACK}:{port}/proxy"
     page = f"http://{LOOPBACK}:{page_port}/?url={url.replace('+', '%2B')}"
     viewer = ViewerProcess(process, url, "" if window else page)
-    _wait_until_listening(viewer, port)
+    for needed in [port] if window else [port, page_port]:
+        _wait_until_listening(viewer, needed)
     return viewer
 
 
