@@ -26,6 +26,10 @@ from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.references import Reference, ReferencePoint
 from ghc_sim_bridge.scenario import PriorityTable
 
+STATE_TOPIC = "joint_states"
+REFERENCE_TOPIC = "ghc/task_reference"
+TRANSITION_TOPIC = "ghc/priority_transition"
+
 _LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 _STREAM = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 _RELIABLE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
@@ -64,10 +68,8 @@ class ExperimentClient(Node):
         self.matrix_received = False
         self.state_time: float | None = None  # [s] latest joint state, while watched
         self._states: Subscription | None = None
-        self._references = self.create_publisher(TaskReference, "ghc/task_reference", _RELIABLE)
-        self._transitions = self.create_publisher(
-            PriorityTransition, "ghc/priority_transition", _RELIABLE
-        )
+        self._references = self.create_publisher(TaskReference, REFERENCE_TOPIC, _RELIABLE)
+        self._transitions = self.create_publisher(PriorityTransition, TRANSITION_TOPIC, _RELIABLE)
         self._pause = self.create_client(SetBool, "sim_bridge/pause")
         self.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, _RELIABLE
@@ -81,21 +83,16 @@ class ExperimentClient(Node):
         """Read the joint states or stop doing so: at 1 kHz reading them is not free."""
         if watch and self._states is None:
             self._states = self.create_subscription(
-                JointState, "joint_states", self._on_state, _LATEST
+                JointState, STATE_TOPIC, self._on_state, _LATEST
             )
         elif not watch and self._states is not None:
             self.destroy_subscription(self._states)
             self._states = None
 
-    def hears_script(self, node: str) -> bool:
-        """Whether a node reads the references and the transitions."""
-        return all(
-            any(
-                reader.node_name == node
-                for reader in self.get_subscriptions_info_by_topic(publisher.topic_name)
-            )
-            for publisher in (self._references, self._transitions)
-        )
+    def is_read_by(self, node: str, topic: str) -> bool:
+        """Whether a node subscribes to a topic."""
+        readers = self.get_subscriptions_info_by_topic(topic)
+        return any(reader.node_name == node for reader in readers)
 
     def publish_reference(self, reference: Reference, duration: float) -> None:
         """Send the reference of one task for a run of `duration` [s], stamped with time zero."""

@@ -36,7 +36,7 @@ def _run(run: PaperRun, output: Path) -> bool:
 
     try:
         return went_well(run_and_report(run.plan(output)))
-    except GhcError as error:
+    except (GhcError, OSError) as error:
         print(f"paper: {run.name}: {error}", file=sys.stderr)
         return False
 

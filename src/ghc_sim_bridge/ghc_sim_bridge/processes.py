@@ -119,9 +119,14 @@ class NodeProcesses:
         log = self._folder / f"{name}.log"
         self._nodes[name] = NodeProcess(name, [str(path), *arguments], log, self._environment)
 
-    def check(self) -> None:
-        """Raise ProcessFailure, with the node's last output, when one has ended."""
+    def check(self, may_end: Iterable[str] = ()) -> None:
+        """Raise ProcessFailure, with the node's last output, when one has ended.
+
+        Those that `may_end` are free to end in order, with exit code 0.
+        """
         for node in self._nodes.values():
+            if node.exit_code == 0 and node.name in may_end:
+                continue
             if node.exit_code is not None:
                 raise ProcessFailure(
                     f"node '{node.name}' ended with {describe_exit(node.exit_code)}; the end of "

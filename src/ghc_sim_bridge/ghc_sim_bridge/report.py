@@ -8,18 +8,21 @@ from typing import Any
 
 from ghc_sim_bridge.analysis import analyse
 from ghc_sim_bridge.claims import check_references
+from ghc_sim_bridge.controller_series import ControllerSeries
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.figures import run_figures
 from ghc_sim_bridge.phase_table import outcome_lines, phase_table
+from ghc_sim_bridge.rerun_recording import write_rerun
 from ghc_sim_bridge.run_experiment import run_experiment
 from ghc_sim_bridge.run_plan import RunPlan
+from ghc_sim_bridge.scene_description import load_scene
 from ghc_sim_bridge.summary import make_summary, write_json
 
 SUMMARY = "summary.json"
 
 
 def run_and_report(plan: RunPlan) -> dict[str, Any]:
-    """Run a plan, write summary and figures, print the table of its phases.
+    """Run a plan, write summary, figures and views of it, print the table of its phases.
 
     Returns the summary. Raises GhcError when the run itself failed, or did something else than
     what was scripted.
@@ -31,6 +34,13 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
     write_json(plan.folder / SUMMARY, summary)
     for name, figure in run_figures(analysis, outcome.trace).items():
         save_png(figure, plan.folder / f"{name}.png")
+    write_rerun(
+        plan.folder / "recording.rrd",
+        analysis.log,
+        ControllerSeries.from_mcap(plan.folder / "recording.mcap"),
+        load_scene(str(plan.parameters["sim_bridge"]["scene"])),
+        outcome.robot,
+    )
     if plan.is_default:
         link_default(plan.folder)
     print(f"\n{plan.scenario.title}: {plan.scenario.name}, {plan.folder.name}")

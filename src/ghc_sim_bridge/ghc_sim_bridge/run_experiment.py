@@ -7,6 +7,7 @@ import shutil
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,13 @@ from rclpy.executors import SingleThreadedExecutor
 from ghc_controller.errors import GhcError
 from ghc_controller.robots import find_robot
 from ghc_sim_bridge.controller_trace import ControllerTrace
-from ghc_sim_bridge.experiment_client_node import ExperimentClient, ScriptedTransition
+from ghc_sim_bridge.experiment_client_node import (
+    REFERENCE_TOPIC,
+    STATE_TOPIC,
+    TRANSITION_TOPIC,
+    ExperimentClient,
+    ScriptedTransition,
+)
 from ghc_sim_bridge.processes import NodeProcesses
 from ghc_sim_bridge.progress import Progress
 from ghc_sim_bridge.robot_changes import write_changed_robot
@@ -31,6 +38,13 @@ _EXECUTABLES = {
     "recorder": ("ghc_sim_bridge", "recorder"),
     "viewer": ("ghc_sim_bridge", "viewer"),
 }
+_SCRIPT = (REFERENCE_TOPIC, TRANSITION_TOPIC)
+_READ_BEFORE_START = {
+    "controller": _SCRIPT,
+    "recorder": (*_SCRIPT, STATE_TOPIC),
+    "viewer": (STATE_TOPIC,),
+}
+_MAY_END = ("viewer",)  # whoever watches may close the window
 _START_DEADLINE = 60.0  # [s] wall; the first start compiles the controller's kernels
 _ANSWER_DEADLINE = 10.0  # [s] wall
 _REPEAT_PERIOD = 1.0  # [s] wall between two copies of an unanswered transition
@@ -83,7 +97,9 @@ def _prepare_folder(plan: RunPlan) -> Path:
     robot = find_robot(str(parameters["controller"]["robot"]))
     if plan.changes:
         robot = write_changed_robot(robot, plan.changes, plan.folder / "robot.yaml")
-        parameters["controller"]["robot"] = str(robot)
+        for values in parameters.values():
+            if "robot" in values:
+                values["robot"] = str(robot)
     content = {node: {"ros__parameters": values} for node, values in parameters.items()}
     text = yaml.safe_dump(content, sort_keys=False)
     (plan.folder / "parameters.yaml").write_text(text, encoding="utf-8")
@@ -134,10 +150,10 @@ class _Driver:
             lambda: client.matrix_received, "a priority matrix from controller", _START_DEADLINE
         )
         for name in self._plan.parameters:
-            if name != "sim_bridge":
+            for topic in _READ_BEFORE_START.get(name, ()):
                 self._until(
-                    lambda: client.hears_script(name),  # noqa: B023
-                    f"the subscriptions of {name}",
+                    partial(client.is_read_by, name, topic),
+                    f"the subscription of {name} to {topic}",
                     _START_DEADLINE,
                 )
         self._until(
@@ -214,7 +230,7 @@ class _Driver:
 
     def _turn(self) -> None:
         self._executor.spin_once(timeout_sec=0.02)
-        self._nodes.check()
+        self._nodes.check(may_end=_MAY_END)
 
 
 def scripted_transitions(plan: RunPlan) -> tuple[ScriptedTransition, ...]:

@@ -197,9 +197,12 @@ def _with_parameters(plan: RunPlan) -> RunPlan:
             "output": str(folder / "recording.mcap"),
             "record_mode": plan.options.record,
         },
+        "viewer": {"scene": scenario.scene, "robot": scenario.robot},
     }
     if plan.phases[0].phase.table is None:
         nodes["controller"]["hierarchy"] = plan.phases[0].phase.hierarchy
+    if not plan.options.view:
+        del nodes["viewer"]
     for node, values in scenario.parameters.items():
         if node in nodes:
             nodes[node].update(values)
