@@ -13,7 +13,7 @@ from pathlib import Path
 _QUESTIONS = """
 import importlib.util, json, os, platform, sys, sysconfig
 print(json.dumps({
-    "path": sys.executable,
+    "path": getattr(sys, "_base_executable", None) or sys.executable,
     "version": list(sys.version_info[:3]),
     "implementation": platform.python_implementation(),
     "venv": all(importlib.util.find_spec(name) for name in ("venv", "ensurepip")),
@@ -26,7 +26,7 @@ print(json.dumps({
 class Interpreter:
     """A Python that starts."""
 
-    path: str
+    path: str  # of a virtual environment's Python: the one that it was made from
     version: tuple[int, ...]
     implementation: str = "CPython"
     venv: bool = True  # can make a virtual environment with pip in it
