@@ -1,4 +1,4 @@
-"""Installs the controller: a plain Python library and one ROS 2 executable."""
+"""Installs the controller: a plain Python library and the ROS 2 executables."""
 
 from setuptools import find_packages, setup
 
@@ -18,5 +18,10 @@ setup(
         (f"share/{package_name}", ["package.xml"]),
     ],
     zip_safe=False,
-    entry_points={"console_scripts": ["controller = ghc_controller.controller_node:main"]},
+    entry_points={
+        "console_scripts": [
+            "controller = ghc_controller.controller_node:main",
+            "transition = ghc_controller.transition_node:main",
+        ]
+    },
 )
