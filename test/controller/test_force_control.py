@@ -17,6 +17,8 @@ STIFFNESS, DAMPING = 30.0, 20.0  # [1/s^2], [1/s]
 
 
 def _hybrid_task(model: RobotModel, **gains: float) -> FramePositionTask:
+    """Position task with a force row; the force is asked for in full at once unless said."""
+    gains = {"rise_time": 0.0} | gains
     force = ForceControl(model.frame_id("tool"), ("x", "y", "z"), ("z",), "tool", **gains)
     return FramePositionTask("hand", model, "tool", STIFFNESS, DAMPING, force=force)
 
@@ -175,6 +177,29 @@ def test_integral_grows_in_contact_only_and_does_not_wind_up() -> None:
     assert np.isclose(last, -20.0)  # |integral share| = |f_ref|
     assert np.isnan(pushed(4001, 0.0))
     assert np.isclose(pushed(4002, 8.0), -10.0)
+
+
+def test_force_rises_from_zero_without_a_jump() -> None:
+    """Half the force after half the rise time; no small step of time makes a large one of force.
+
+    While little is asked for, little is felt: the contact is not given up for that.
+    """
+    model, state = make_model("kuka_lwr"), random_state("kuka_lwr", np.random.default_rng(6))
+    task = _hybrid_task(model, rise_time=0.1)
+    model.update(state.q, state.v)
+    target = _target(task, model, 10.0)
+    pushes = []
+    for k in range(150):
+        free = model.update(state.q, state.v)
+        measured = 2.0 if k == 0 else 0.0 if k < 50 else 10.0
+        rows = task.rows(model, _measured(state, 1e-3 * k, measured), target)
+        assert rows.force_rows == 1
+        carried = model.dynamics.bias - free.bias
+        pushes.append(float(np.linalg.lstsq(rows.jacobian.T, carried, rcond=None)[0][2]))
+    assert abs(pushes[0]) < 1e-9
+    assert np.isclose(pushes[50], -5.0)
+    assert np.allclose(pushes[100:], -10.0)
+    assert np.abs(np.diff(pushes)).max() < 10.0 * np.pi / 2.0 / 100.0 * 1.01
 
 
 def test_reset_clears_contact_and_integral() -> None:

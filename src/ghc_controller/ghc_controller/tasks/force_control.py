@@ -26,6 +26,7 @@ class ForceState:
     integral: Array  # (m,) [N s] of f_ref - f_meas
     active: bool = False
     time: float = 0.0  # [s] state that was answered last
+    begin: float = 0.0  # [s] first state in contact
 
 
 class ForceControl:
@@ -36,8 +37,9 @@ class ForceControl:
 
         w_d = f_ref + proportional (f_ref - f_meas) + integral * int (f_ref - f_meas) dt
 
-    on the force rows and zero on the others. Eq. 3 asks for the acceleration
-    xi''_d = Lambda^-1 w_d, Lambda^-1 = J M^-1 J^T. It enters all rows of the task, the motion
+    on the force rows and zero on the others; f_ref rises from zero to target.wrench within
+    `rise_time` from the touch on, so that the torque does not jump. Eq. 3 asks for the
+    acceleration xi''_d = Lambda^-1 w_d, Lambda^-1 = J M^-1 J^T. It enters all rows of the task, the motion
     rows as well: the surroundings answer with -w_d, which accelerates every row by -Lambda^-1 w_d,
     and only the sum of both leaves the motion rows to their own law, without a steady error
     along a frictionless plane.
@@ -51,9 +53,10 @@ class ForceControl:
     are then not disturbed by a force that is reached.
 
     The rows turn to force control when the target has a wrench and the force measured along
-    them exceeds `threshold`, and back to motion control when it falls below `release`, the
-    target loses its wrench, or the contact is no longer measured. The integral grows in contact
-    only and its share of w_d stays within |f_ref| (or `threshold`, if larger): no wind-up.
+    them exceeds `threshold`, and back to motion control when it falls below `release`
+    (not during the rise), the target loses its wrench, or the contact is no longer measured. The
+    integral grows in contact only and its share of w_d stays within |f_ref| (or `threshold`, if
+    larger): no wind-up.
 
     The force loop is stable with 0 <= proportional < 1 and integral well below 1/dt: in contact
     f_meas follows w_d within a control period.
@@ -70,6 +73,7 @@ class ForceControl:
         proportional: float = 0.0,
         integral: float = 0.0,
         damping: float = 0.0,
+        rise_time: float = 0.1,
     ) -> None:
         """Choose the force rows among the rows of a position task.
 
@@ -82,6 +86,7 @@ class ForceControl:
             proportional: [-]; integral: [1/s].
             damping: [1/s] acceleration against the frame's velocity along the force rows; zero at
                 rest, so that the force is not biased.
+            rise_time: [s] of the reference force after the touch.
 
         Raises:
             InvalidValue: a force axis is no row of the task, a gain is negative or not finite,
@@ -90,7 +95,7 @@ class ForceControl:
         for axis in force_axes:
             if axis not in axes:
                 raise InvalidValue(f"force axis '{axis}' given; rows of the task: {tuple(axes)}")
-        gains = (threshold, release, proportional, integral, damping)
+        gains = (threshold, release, proportional, integral, damping, rise_time)
         if not all(np.isfinite(gain) and gain >= 0.0 for gain in gains):
             raise InvalidValue(f"force control: gains {gains} given, numbers >= 0 expected")
         if release > threshold:
@@ -103,6 +108,7 @@ class ForceControl:
         self.contact = contact
         self.threshold = threshold
         self.release = release
+        self.rise_time = rise_time
         self.force_rows = np.array([axis in force_axes for axis in axes])
         self._force_axes = self._axes[self.force_rows]
         self._gains = np.array([proportional, integral, damping, threshold])
@@ -130,6 +136,7 @@ class ForceControl:
             fields.number("proportional", 0.0, minimum=0.0),
             fields.number("integral", 0.0, minimum=0.0),
             fields.number("damping", 0.0, minimum=0.0),
+            fields.number("rise_time", 0.1, minimum=0.0),
         )
         fields.done()
         return control
@@ -161,15 +168,18 @@ class ForceControl:
             self._leave_contact()
             return 0
         self._wrench[:] = wrench
-        if not self._in_contact(_norm_along(self._force_axes, self._wrench)):
+        normal_force = _norm_along(self._force_axes, self._wrench)
+        if not self._in_contact(normal_force, state.time):
             self._leave_contact()
             return 0
+        step = self._step(state.time)
         frame = model.frame(self._frame_id)
         wrench_d = np.zeros(self._axes.shape)
         _force_rows(
             self.force_rows,
             self._axes,
-            self._step(state.time),
+            step,
+            self._share(state.time),
             target.wrench,
             self._wrench,
             self._gains,
@@ -187,17 +197,29 @@ class ForceControl:
         if self.state.active:
             self.reset()
 
-    def _in_contact(self, normal_force: float) -> bool:
+    def _in_contact(self, normal_force: float, time: float) -> bool:
         if self.state.active:
-            return normal_force >= self.release
+            rising = (
+                time - self.state.begin < self.rise_time
+            )  # little is asked for, little is felt
+            return rising or normal_force >= self.release
         return normal_force > self.threshold
 
     def _step(self, time: float) -> float:
         """Integration time since the last state; zero for a repeated one: the same answer."""
         memory = self.state
         step = min(max(time - memory.time, 0.0), _MAX_STEP) if memory.active else 0.0
+        if not memory.active:
+            memory.begin = time
         memory.active, memory.time = True, time
         return step
+
+    def _share(self, time: float) -> float:
+        """How much of the reference is asked for, 0 at the touch and 1 after the rise time."""
+        elapsed = time - self.state.begin
+        if elapsed >= self.rise_time:
+            return 1.0
+        return 0.5 - 0.5 * math.cos(math.pi * elapsed / self.rise_time)
 
 
 @numba.njit(cache=True)
@@ -213,6 +235,7 @@ def _force_rows(
     force_rows: NDArray[np.bool_],
     axes: NDArray[np.int64],
     step: float,
+    share: float,
     reference: Array,
     wrench: Array,
     gains: Array,
@@ -225,15 +248,16 @@ def _force_rows(
 ) -> None:
     """Write w_d, and on the force rows a target that stays still and the force error.
 
-    gains: proportional, integral, damping, threshold; integral (m,) [N s] is advanced by `step`.
+    gains: proportional, integral, damping, threshold; integral (m,) [N s] is advanced by `step`;
+    share: of the reference that is asked for by now.
     """
     for i in range(axes.shape[0]):
         if force_rows[i]:
-            error = reference[i] + wrench[axes[i]]
-            error_out[i] = error
+            error_out[i] = reference[i] + wrench[axes[i]]
+            error = share * reference[i] + wrench[axes[i]]
             target_out[i] = -drift[axes[i]] - gains[2] * velocity[axes[i]]
-            wrench_out[i] = reference[i] + gains[0] * error
+            wrench_out[i] = share * reference[i] + share * gains[0] * error
             if gains[1] > 0.0:
                 largest = max(abs(reference[i]), gains[3]) / gains[1]
-                integral[i] = min(max(integral[i] + step * error, -largest), largest)
+                integral[i] = min(max(integral[i] + share * step * error, -largest), largest)
                 wrench_out[i] += gains[1] * integral[i]
