@@ -39,8 +39,9 @@ class ForceControl:
 
     on the force rows and zero on the others; f_ref rises from zero to target.wrench within
     `rise_time` from the touch on, so that the torque does not jump. Eq. 3 asks for the
-    acceleration xi''_d = Lambda^-1 w_d, Lambda^-1 = J M^-1 J^T. It enters all rows of the task, the motion
-    rows as well: the surroundings answer with -w_d, which accelerates every row by -Lambda^-1 w_d,
+    acceleration xi''_d = Lambda^-1 w_d, Lambda^-1 = J M^-1 J^T. It enters all rows of the task,
+    the motion rows as well: the surroundings answer with -w_d, which accelerates every row by
+    -Lambda^-1 w_d,
     and only the sum of both leaves the motion rows to their own law, without a steady error
     along a frictionless plane.
 
