@@ -1,0 +1,162 @@
+"""The paper's runs and the document that is written from their summaries."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ghc_controller.errors import UnknownName
+from ghc_sim_bridge import paper
+from ghc_sim_bridge import paper_motion_sections as motion
+from ghc_sim_bridge import paper_switching_sections as switching
+from ghc_sim_bridge.markdown import number, table
+from ghc_sim_bridge.paper_document import write_document
+from ghc_sim_bridge.paper_runs import PAPER_RUNS, choose_runs
+
+TASKS = {"end_effector": "m", "elbow": "m", "posture": "rad"}
+HIERARCHIES = ("posture > elbow > end_effector", "end_effector > elbow > posture")
+
+
+def made_up(rate: float, jerk: float, second: float) -> dict[str, Any]:
+    """A summary of two phases whose figures are easy to find again."""
+    errors = [
+        {"end_effector": 0.5, "elbow": second, "posture": 1e-7},
+        {"end_effector": 1e-6, "elbow": second, "posture": 2.0},
+    ]
+    phases = [
+        {"hierarchy": h, "t_start": 8.0 * k, "t_end": 8.0 * (k + 1), "errors": errors[k]}
+        for k, h in enumerate(HIERARCHIES)
+    ]
+    beside = {"ghc": dict.fromkeys(TASKS, 0.125), "hqp": dict.fromkeys(TASKS, 0.25)}
+    return {
+        "phases": phases,
+        "error_units": TASKS,
+        "control_dt_s": 1e-3,
+        "peak_torque_rate_nm_per_s": {"total": rate, "per_phase": [10.0, rate]},
+        "jerk_integral": {"total": 2.0 * jerk, "per_phase": [jerk, jerk]},
+        "gated_ticks": 0,
+        "torque_rate_limit_nm_per_s": None,
+        "paper": {"phase_errors": [{"paper": beside}, {"paper": beside}]},
+    }
+
+
+SUMMARIES = {"hqp": made_up(20000.0, 1000.0, 0.3), "balanced": made_up(40.0, 100.0, 0.303)}
+
+
+def test_the_table_holds_the_papers_figures_and_those_of_the_summaries() -> None:
+    text = switching.table_section(SUMMARIES)
+    assert "ours, balanced" in text and "ours, ghc" not in text
+    assert "| 3▷2▷1, task 2 [m] | 0.12 | 0.25 | 0.303 | 0.3 |" in text
+    assert "+1.00 %" in text  # 0.303 against 0.3
+
+
+def test_ratios_follow_the_summaries_and_name_the_control_period() -> None:
+    text = switching.transition_section(SUMMARIES, frozenset())
+    assert "**500 times**" in text and "**10.0 times**" in text
+    assert "at 1 ms" in text and "![" not in text
+    changed = copy.deepcopy(SUMMARIES)
+    changed["balanced"]["peak_torque_rate_nm_per_s"]["per_phase"][1] = 80.0
+    assert "**250 times**" in switching.transition_section(changed, frozenset())
+
+
+def test_a_picture_is_shown_only_when_it_was_written() -> None:
+    text = switching.transition_section(SUMMARIES, frozenset({"switching_jerk.png"}))
+    assert "figures/switching_jerk.png" in text
+    assert "switching_rates.png" not in text
+
+
+def test_sections_of_runs_that_were_not_made_are_left_out() -> None:
+    assert switching.table_section({}) == ""
+    assert switching.transition_section({}, frozenset()) == ""
+    for section in (
+        motion.insertion_section,
+        motion.lemniscate_section,
+        motion.contact_section,
+        motion.nonstrict_section,
+    ):
+        assert section({}, frozenset()) == ""
+
+
+def test_the_document_names_the_runs_that_are_missing(tmp_path: Path) -> None:
+    text = write_document({}, tmp_path).read_text(encoding="utf-8")
+    assert text.count("not run") >= len(PAPER_RUNS)
+    assert all(f"`{run.name}`" in text for run in PAPER_RUNS)
+
+
+def test_every_paper_run_has_a_folder_of_its_own(tmp_path: Path) -> None:
+    folders = [run.plan(tmp_path).folder for run in PAPER_RUNS]
+    assert len(set(folders)) == len(PAPER_RUNS)
+
+
+def test_the_comparisons_that_the_paper_makes_are_there(tmp_path: Path) -> None:
+    plans = {run.name: run.plan(tmp_path) for run in PAPER_RUNS}
+    assert {plans[name].formulation for name in plans} >= {
+        "balanced",
+        "ghc",
+        "ghc_full",
+        "hqp",
+        "weighted",
+    }
+    assert (plans["hqp"].transition, plans["ghc_fast"].transition) == (0.0, 0.005)
+    limited = [name for name, plan in plans.items() if plan.torque_rate_limit > 0.0]
+    assert limited == ["hqp_gated"]
+    gated = plans["hqp_gated"].parameters
+    assert gated["controller"]["torque_rate_limit"] == gated["sim_bridge"]["torque_rate_limit"]
+
+
+def test_runs_are_chosen_by_name_or_scenario() -> None:
+    assert choose_runs([]) == PAPER_RUNS
+    assert [run.name for run in choose_runs(["hqp", "nonstrict"])] == [
+        "hqp",
+        "nonstrict_0.2",
+        "nonstrict_0.5",
+        "nonstrict_0.8",
+    ]
+    with pytest.raises(UnknownName, match="lemniscate"):
+        choose_runs(["no_such_run"])
+
+
+def test_an_unknown_run_is_one_clear_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert paper.main(["--only", "no_such_run"]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1 and "no_such_run" in lines[0] and "hqp_gated" in lines[0]
+
+
+def test_paper_goes_on_after_a_failed_run_and_ends_non_zero(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[str] = []
+
+    def run(which: Any, output: Path) -> bool:
+        made.append(which.name)
+        return which.name != "hqp"
+
+    monkeypatch.setattr(paper, "_run", run)
+    arguments = ["--output", str(tmp_path / "results"), "--docs", str(tmp_path / "docs")]
+    assert paper.main(arguments) == 1
+    assert made == [run.name for run in PAPER_RUNS]
+    assert (tmp_path / "docs" / "results.md").is_file()
+    assert paper.main([*arguments, "--only", "ghc"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (None, "–"),
+        (1.5, "1.5"),
+        (0.303, "0.3"),
+        (2.2e-30, "2.2e-30"),
+        (123.4, "123"),
+        (6.18e-4, "6.2e-4"),
+    ],
+)
+def test_numbers_keep_two_significant_digits(value: float | None, text: str) -> None:
+    assert number(value) == text
+
+
+def test_a_table_has_as_many_marks_as_columns() -> None:
+    assert table(["a", "b"], [["x", "1"]]) == "| a | b |\n| --- | ---: |\n| x | 1 |"
