@@ -1,0 +1,1 @@
+"""Constraints that jump become bounds that move: previews over a receding horizon."""

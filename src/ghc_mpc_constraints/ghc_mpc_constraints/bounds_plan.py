@@ -1,0 +1,66 @@
+"""The whole plan of the force bounds of one tick, as it travels to the controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from ghc_controller.types import Array
+
+
+class PlanStatus(Enum):
+    """How the plan of a contact came about; the value travels in messages."""
+
+    SMOOTHED = 0  # the optimum of the preview
+    RAW = 1  # passed through (smoothing off)
+    HELD = 2  # no solution: the plan before, as far as it goes, inside the raw bounds
+    TIGHTENED = 3  # no solution and no plan left: towards the tightest bound ahead
+
+
+@dataclass(frozen=True, slots=True)
+class ForceBoundsPlan:
+    """Bounds of c contacts at the points start + j step, j = 0 .. N."""
+
+    start: float  # [s] time of the tick
+    step: float  # [s] between points
+    contacts: tuple[str, ...]
+    lower: Array  # (c, N + 1) [N]
+    upper: Array  # (c, N + 1) [N]
+    in_contact: tuple[bool, ...]  # whether the schedule allows a force now
+    status: tuple[PlanStatus, ...]
+    conflict: tuple[bool, ...]  # the schedule contradicts itself within the horizon
+    smoothed: bool  # false: each point holds until the next one; true: straight lines between
+
+    @property
+    def valid_until(self) -> float:
+        """End of the plan [s]."""
+        return self.start + self.step * (self.lower.shape[1] - 1)
+
+    @property
+    def is_empty(self) -> bool:
+        """True when no contact has a bound."""
+        return not self.contacts
+
+    def at(self, time: float) -> tuple[Array, Array]:
+        """Lower and upper bounds (c,) [N] at a time [s]; the ends are held outside the plan."""
+        place = (time - self.start) / self.step
+        if not self.smoothed:
+            place = np.floor(place + 1e-6)
+        place = min(max(float(place), 0.0), float(self.lower.shape[1] - 1))
+        left = min(int(place), self.lower.shape[1] - 2)
+        share = place - left
+        lower, upper = (
+            (1.0 - share) * values[:, left] + share * values[:, left + 1]
+            for values in (self.lower, self.upper)
+        )
+        return lower, upper
+
+    @property
+    def first_rates(self) -> tuple[Array, Array]:
+        """The inputs that are applied: rates (c,) [N/s] of lower and upper over the first step."""
+        lower, upper = (
+            (values[:, 1] - values[:, 0]) / self.step for values in (self.lower, self.upper)
+        )
+        return lower, upper

@@ -1,0 +1,89 @@
+"""What a sensor says of one obstacle, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.types import Array
+
+UNIT_TOLERANCE = 1e-3  # [-] how far the length of a normal may be from 1
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """One obstacle and the frame that it threatens, at one instant; made by `checked`."""
+
+    id: str
+    frame: str
+    position: Array  # (3,) [m] closest point of the obstacle, world axes
+    normal: Array  # (3,) unit, from that point to the protected frame
+    distance: float  # [m] between the two
+    safe_distance: float  # [m]
+
+    @classmethod
+    def checked(
+        cls,
+        id: str,  # noqa: A002 - the word that the messages use
+        frame: str,
+        position: Sequence[float],
+        normal: Sequence[float],
+        distance: float,
+        safe_distance: float,
+    ) -> Measurement:
+        """Measurement with a normal of length 1.
+
+        Raises:
+            GhcError: no name, wrong size, not finite, no unit normal, negative distance.
+        """
+        where = f"obstacle '{id}'"
+        if not id or not frame:
+            raise InvalidValue(f"{where}: protected frame '{frame}' given, two names expected")
+        vectors = {}
+        for name, values in (("position", position), ("normal", normal)):
+            vectors[name] = np.array(values, dtype=np.float64)
+            if vectors[name].shape != (3,):
+                raise WrongSize(f"{where}, {name}", len(values), 3)
+            if not np.isfinite(vectors[name]).all():
+                raise InvalidValue(
+                    f"{where}: {name} = {vectors[name].tolist()} given, finite numbers expected"
+                )
+        length = float(np.linalg.norm(vectors["normal"]))
+        if abs(length - 1.0) > UNIT_TOLERANCE:
+            raise InvalidValue(f"{where}: normal of length {length:g} given, 1 expected")
+        for name, value in (("distance", distance), ("safe_distance", safe_distance)):
+            if not (np.isfinite(value) and value >= 0.0):
+                raise InvalidValue(f"{where}: {name} = {value} m given, 0 or more expected")
+        return cls(
+            id, frame, vectors["position"], vectors["normal"] / length, distance, safe_distance
+        )
+
+    def away(self, margin: float) -> Array:
+        """Position (3,) on the normal at which the safe distance and a margin [m] are kept."""
+        room = self.safe_distance + margin - self.distance
+        return self.position - room * self.normal
+
+    def closer(self, by: float) -> Measurement:
+        """The same obstacle, `by` [m] closer to the protected frame, at most touching it."""
+        by = min(by, self.distance)
+        return Measurement(
+            self.id,
+            self.frame,
+            self.position + by * self.normal,
+            self.normal,
+            self.distance - by,
+            self.safe_distance,
+        )
+
+
+def frame_of(normal: Array) -> Array:
+    """(3, 3) rows: away from the protected frame, and two tangents; a rotation of the world."""
+    away = -normal
+    helper = np.zeros(3)
+    helper[int(np.argmin(np.abs(away)))] = 1.0
+    first = np.cross(away, helper)
+    first /= np.linalg.norm(first)
+    return np.array([away, first, np.cross(away, first)])

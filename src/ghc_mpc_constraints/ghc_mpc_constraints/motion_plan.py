@@ -1,0 +1,83 @@
+"""The whole plan of the obstacles' virtual motion of one tick, as it travels to the controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numba
+import numpy as np
+
+from ghc_controller.types import Array
+
+
+class MotionStatus(Enum):
+    """How the plan of an obstacle came about; the value travels in messages."""
+
+    SMOOTHED = 0  # the optimum of the preview
+    RAW = 1  # as measured: smoothing off, or outside the safe distance
+    HELD = 2  # no solution: the plan before, as far as it goes
+    TIGHTENED = 3  # no solution and no plan left: at the closest position of the preview
+    STALE = 4  # no measurement for too long: taken to be closer than last seen
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedObstacle:
+    """Virtual motion of one obstacle: a state now, and the jerk of every step."""
+
+    id: str
+    frame: str  # protected frame of the robot
+    safe_distance: float  # [m]
+    normal: Array  # (3,) unit, from the obstacle to the protected frame, world axes
+    state: Array  # (3, 3) row = position [m], velocity [m/s], acceleration [m/s^2]; world axes
+    jerk: Array  # (N, 3) [m/s^3]; (0, 3) = stands still
+    status: MotionStatus
+
+    @property
+    def moves(self) -> bool:
+        """True when its state is a virtual one, to be continued by the next plan."""
+        return len(self.jerk) > 0 or self.status is MotionStatus.TIGHTENED
+
+    def trajectory(self, step: float) -> Array:
+        """States (N + 1, 3, 3) at the points of the plan."""
+        return integrate(self.state, self.jerk, step)
+
+    def at(self, elapsed: float, step: float) -> Array:
+        """State (3, 3) `elapsed` [s] after the start; after the plan it rests where that ends."""
+        whole = int(elapsed / step + 1e-6)
+        states = integrate(self.state, self.jerk[:whole], step)
+        if whole >= len(self.jerk):
+            rest = np.zeros((3, 3))
+            rest[0] = states[-1][0]
+            return rest if len(self.jerk) else self.state
+        part = max(elapsed - whole * step, 0.0)
+        return integrate(states[-1], self.jerk[whole : whole + 1], part)[-1]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionPlan:
+    """Plans of all obstacles, from `start` on, in steps of `step`."""
+
+    start: float  # [s]
+    step: float  # [s]
+    steps: int  # [-] N
+    obstacles: tuple[PlannedObstacle, ...]
+
+    @property
+    def valid_until(self) -> float:
+        """End of the plan [s]."""
+        return self.start + self.step * self.steps
+
+
+@numba.njit(cache=True)
+def integrate(state: Array, jerk: Array, step: float) -> Array:
+    """States (N + 1, 3, 3) of three triple integrators under jerks (N, 3) held over steps."""
+    states = np.empty((jerk.shape[0] + 1, 3, 3))
+    states[0] = state
+    for j in range(jerk.shape[0]):
+        for axis in range(3):
+            x, v, a, u = states[j, 0, axis], states[j, 1, axis], states[j, 2, axis], jerk[j, axis]
+            states[j + 1, 0, axis] = x + step * (v + step * (a / 2.0 + step * u / 6.0))
+            states[j + 1, 1, axis] = v + step * (a + step * u / 2.0)
+            states[j + 1, 2, axis] = a + step * u
+    return states
