@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("ghc_controller", "ghc_mpc_constraints", "ghc_sim_bridge")
+PACKAGES = sorted(path.parent.name for path in ROOT.glob("src/*/setup.py"))
 SOLVERS = {"proxsuite", "daqp"}
 
 # Modules at the rim, where ROS begins.
