@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 from bridge_client import ROBOT, BridgeClient, GravityModel, answer
+from geometry_msgs.msg import WrenchStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from ghc_sim_bridge.full_rate_log import FullRateLog, Source
 from ghc_sim_bridge.ros_conversions import CLOCK_QOS, nanoseconds_from_time
 
+PLANE_SCENE = "kuka_lwr_plane"
 StartBridge = Callable[..., Any]
 
 
@@ -117,6 +119,35 @@ def test_clock_follows_the_states(
     assert _stamp(states[-1]) == 40_000_000
     client.until(lambda: clocks and clocks[-1] == 40_000_000, "the clock of the last state")
     assert clocks == sorted(clocks)
+
+
+def test_contact_wrenches_come_with_the_state_of_their_stamp(
+    start_bridge: StartBridge, client: BridgeClient
+) -> None:
+    """Whoever has the state can have the wrench: it was sent before."""
+    wrenches: dict[int, WrenchStamped] = {}
+    client.node.create_subscription(
+        WrenchStamped,
+        "contacts/tool",
+        lambda m: wrenches.update({nanoseconds_from_time(m.header.stamp): m}),
+        10,
+    )
+    start_bridge(scene=PLANE_SCENE)
+    client.until(lambda: wrenches, "a first wrench")
+    state = client.connected_state()
+    for k in range(20):
+        state = client.step(state, state.effort)
+        client.until(lambda: _stamp(state) in wrenches, f"the wrench of period {k}")  # noqa: B023
+    assert {message.header.frame_id for message in wrenches.values()} == {"world"}
+    assert sorted(wrenches) == [k * 1_000_000 for k in range(21)]
+
+
+def test_contacts_can_be_left_out(start_bridge: StartBridge, client: BridgeClient) -> None:
+    start_bridge(scene=PLANE_SCENE, publish_contacts="false")
+    client.connected_state()
+    topics = {name for name, _ in client.node.get_topic_names_and_types()}
+    assert "/joint_states" in topics
+    assert not [name for name in topics if "contacts" in name]
 
 
 @pytest.mark.parametrize("executor", ["events", "single"])

@@ -74,12 +74,14 @@ def _record_a_walk(
     wrench = node.create_publisher(WrenchStamped, "contacts/extra", CONTROL_PUBLISHER_QOS)
     recorder = _start(start_node, "recorder", output=path, record_mode=mode)
     lossless = "true" if mode == "full" else "false"
-    _start(start_node, "sim_bridge", scene=ROBOT, lossless=lossless)
+    _start(start_node, "sim_bridge", scene=ROBOT, lossless=lossless, paused="true")
     for topic, readers in (
         ("ghc/priority_transition", 1), ("ghc/controller_state", 1), ("contacts/extra", 1),
         ("joint_commands", 2), ("joint_states", 2), ("/clock", 1), ("/diagnostics", 2),
     ):  # fmt: skip
         client.until(lambda: _readers(client, topic) >= readers, f"readers of {topic}")  # noqa: B023
+    client.spin(1.0)  # the bridge hears of the recorder later than we do; it repeats its state
+    client.pause(False)
     model = GravityModel()
     robot = client.connected_state()
     for k in range(STEPS):

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from ghc_sim_bridge.decimation import Decimator
-from ghc_sim_bridge.lockstep import REPEAT_PERIOD, Due, Lockstep
+from ghc_sim_bridge.lockstep import REPEAT_PERIOD, Due, Lockstep, PartnerMissing
 from ghc_sim_bridge.pacing import MAX_CATCH_UP, Pacer
+from ghc_sim_bridge.patient_publishing import patient
 from ghc_sim_bridge.recording_timeline import PATIENCE_NS, RecordingTimeline
 from ghc_sim_bridge.torque_gate import TorqueGate
 from ghc_sim_bridge.watchdog import FRESH_COMMANDS_TO_RESUME, Watchdog
@@ -129,6 +130,28 @@ def test_decimator_keeps_one_message_per_grid_cell_aligned_across_topics() -> No
 def test_decimator_starts_anew_when_time_goes_back() -> None:
     decimator = Decimator(10 * MS)
     assert [decimator.keeps(t * MS) for t in (0, 5, 30, 0, 5)] == [True, False, True, True, False]
+
+
+def test_patient_publishing_tries_until_there_is_room() -> None:
+    sent: list[bytes] = []
+    full = [True, True, False]
+
+    def publish(data: bytes) -> None:
+        if full.pop(0):
+            raise RuntimeError("cannot publish data")
+        sent.append(data)
+
+    patient(publish, "joint_states", 5.0, lambda: False)(b"state")
+    assert sent == [b"state"]
+
+
+def test_patient_publishing_gives_up_with_the_topic_and_at_once_when_stopping() -> None:
+    def publish(data: bytes) -> None:
+        raise RuntimeError("cannot publish data")
+
+    with pytest.raises(PartnerMissing, match="a reader of 'joint_states' took nothing"):
+        patient(publish, "joint_states", 0.01, lambda: False)(b"state")
+    patient(publish, "joint_states", 60.0, lambda: True)(b"state")
 
 
 def test_recording_waits_for_the_first_clock() -> None:

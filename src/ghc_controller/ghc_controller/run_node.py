@@ -23,6 +23,8 @@ R = TypeVar("R")
 EXIT_FAILED = 1  # a partner is missing, the simulation diverged: failed while running
 EXIT_REFUSED = 2  # a parameter or file cannot be used: never ran
 
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
 # A signal is handled when Python code next runs: at the next callback, or after this long. It is
 # also what makes EventsExecutor usable: its endless spin() never fires in the binary wheels.
 SPIN_SLICE = 0.1  # [s]
@@ -69,7 +71,7 @@ def run_node(
     a callback that may be publishing or writing its last file.
     """
     stop = Future()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in STOP_SIGNALS:
         signal.signal(number, lambda _signal, _frame: stop.done() or stop.set_result(None))
     try:
         rclpy.init(
@@ -82,6 +84,9 @@ def run_node(
         return _run(name, create, stop)
     finally:
         rclpy.try_shutdown()
+        for number in STOP_SIGNALS:
+            # A second Ctrl-C, while the interpreter winds up, must not turn success into a kill.
+            signal.signal(number, signal.SIG_IGN)
 
 
 def _run(name: str, create: Callable[[Future], RunnableNode], stop: Future) -> int:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -19,6 +19,7 @@ from typing import Any
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 from rclpy.task import Future
 
 from ghc_controller.errors import ConfigurationError
@@ -34,11 +35,14 @@ from ghc_sim_bridge.state_cdr import read_stamp
 
 NODE_NAME = "recorder"
 DISCOVERY_PERIOD = 0.1  # [s] wall
+QUIET = 0.3  # [s] wall; nothing arrived for so long: the nodes that end with us are done
+PATIENCE = 8.0  # [s] wall for what still arrives after the signal to stop
 CLOCK_TOPIC = "/clock"
 # Fast topics by their last name, and by the one before it for topics like contacts/<name>. All
 # of them begin with a stamp; a topic of such a name that does not is not thinned.
 FAST_NAMES = frozenset({"joint_states", "joint_commands", "clock", "odom", "controller_state"})
 FAST_FOLDERS = frozenset({"contacts"})
+Receive = Callable[[bytes], None]
 NANOSECONDS = 1_000_000_000  # [ns/s]
 
 
@@ -64,6 +68,7 @@ class Recorder:
         self._timeline = RecordingTimeline(time.time_ns())
         self._stop = stop
         self._known: set[str] = set()
+        self._listeners: list[tuple[Subscription, type, Receive]] = []
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         self.node.create_timer(DISCOVERY_PERIOD, guarded(stop, self._discover), clock=wall)
         self._discover()
@@ -90,8 +95,11 @@ class Recorder:
             if fast and not full
             else None
         )
-        callback = partial(self._receive, topic, decimator)
-        self.node.create_subscription(kind, topic, guarded(self._stop, callback), qos, raw=True)
+        receive = partial(self._receive, topic, decimator)
+        listener = self.node.create_subscription(
+            kind, topic, guarded(self._stop, receive), qos, raw=True
+        )
+        self._listeners.append((listener, kind, receive))
 
     def _receive(self, topic: str, decimator: Decimator | None, data: bytes) -> None:
         # The wall time of reception stands for that of publication: EventsExecutor of Jazzy fails
@@ -107,9 +115,24 @@ class Recorder:
         self._recording.write(topic, log_time_ns, publish_time_ns, data)
 
     def close(self) -> None:
-        """Write what still waits, and the file's index."""
+        """Take what is still on the way, and write the file's index."""
+        quiet_since = began = time.monotonic()
+        while time.monotonic() - quiet_since < QUIET and time.monotonic() - began < PATIENCE:
+            if self._take_waiting():
+                quiet_since = time.monotonic()
+            time.sleep(0.01)
         self._timeline.decide()
         self._recording.close()
+
+    def _take_waiting(self) -> int:
+        """Receive what waits in the readers without an executor; how many messages it was."""
+        count = 0
+        for listener, kind, receive in self._listeners:
+            with listener.handle:
+                while (taken := listener.handle.take_message(kind, True)) is not None:
+                    receive(taken[0])
+                    count += 1
+        return count
 
 
 def _message_class(type_name: str) -> type:

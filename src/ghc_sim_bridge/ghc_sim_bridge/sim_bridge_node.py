@@ -20,7 +20,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
+from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -29,11 +31,13 @@ from std_srvs.srv import SetBool, Trigger
 from ghc_controller.node_parameters import read_parameters
 from ghc_controller.rejections import Rejections
 from ghc_controller.run_node import guarded, run_node
+from ghc_sim_bridge.bridge_diagnostics import EXPECTED, BridgeDiagnostics
 from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected, stamp_of
 from ghc_sim_bridge.control_cycle import NANOSECONDS, ControlCycle
 from ghc_sim_bridge.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.lockstep_mode import LockstepMode
 from ghc_sim_bridge.parameters import BridgeParameters
+from ghc_sim_bridge.patient_publishing import patient
 from ghc_sim_bridge.realtime_mode import RealtimeMode
 from ghc_sim_bridge.ros_conversions import (
     CLOCK_QOS,
@@ -45,16 +49,14 @@ from ghc_sim_bridge.ros_conversions import (
 )
 from ghc_sim_bridge.run_mode import RunMode
 from ghc_sim_bridge.simulator import Simulator
-from ghc_sim_bridge.state_publisher import StatePublisher
+from ghc_sim_bridge.state_publisher import Publish, StatePublisher
 from ghc_sim_bridge.torque_gate import GatedTorque, TorqueGate
 from ghc_sim_bridge.watchdog import Watchdog
 
 NODE_NAME = "sim_bridge"
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+DELIVERY_TIMEOUT = Duration(seconds=3)  # wall, per topic, when stopped with `lossless` on
 NEVER_NS = 1 << 62  # [ns] later than any simulated time
-# Part of normal operation in lockstep (answers to repeats, late answers while paused): counted,
-# but no reason to warn.
-EXPECTED = frozenset({"answered_before", "not_running"})
 
 
 class SimBridge:
@@ -83,28 +85,32 @@ class SimBridge:
         self._cycle = ControlCycle(simulator, gate, self._log)
         self._stop_ns = round(p.stop_time * NANOSECONDS) if p.stop_time > 0.0 else NEVER_NS
         self._rejections = Rejections()
+        self._health = BridgeDiagnostics(self._rejections)
         self._refusal = ""  # why the last command was refused; empty after a good one
         self._decoder = CommandDecoder(simulator.joint_names, read_joint_state)
-        self._publisher = self._make_publisher(wrenches if p.publish_contacts else ())
+        self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
-        self._diagnosed = (time.monotonic(), 0)  # wall [s], simulated [ns]
         self._listen(stop)
         self._mode.restart()
         self.node.get_logger().info(
             f"scene '{p.scene}', {p.mode}, {'paused' if p.paused else 'running'}"
         )
 
-    def _make_publisher(self, contacts: Sequence[str]) -> StatePublisher:
-        node, lossless = self.node, self._parameters.lossless
-        qos = LOSSLESS_PUBLISHER_QOS if lossless else CONTROL_PUBLISHER_QOS
+    def _make_publisher(self, contacts: Sequence[str], stop: Future) -> StatePublisher:
+        p = self._parameters
+        qos = LOSSLESS_PUBLISHER_QOS if p.lossless else CONTROL_PUBLISHER_QOS
+
+        def advertise(kind: type, topic: str, qos: QoSProfile) -> Publish:
+            publish: Publish = self.node.create_publisher(kind, topic, qos).publish
+            return (
+                patient(publish, topic, p.lockstep_timeout, stop.done) if p.lossless else publish
+            )
+
         return StatePublisher(
-            node.create_publisher(JointState, "joint_states", qos).publish,
-            node.create_publisher(Clock, "/clock", qos if lossless else CLOCK_QOS).publish,
-            {
-                name: node.create_publisher(WrenchStamped, f"contacts/{name}", qos).publish
-                for name in contacts
-            },
+            advertise(JointState, "joint_states", qos),
+            advertise(Clock, "/clock", qos if p.lossless else CLOCK_QOS),
+            {name: advertise(WrenchStamped, f"contacts/{name}", qos) for name in contacts},
         )
 
     def _make_mode(self) -> RunMode:
@@ -183,24 +189,11 @@ class SimBridge:
         return answer
 
     def _publish_diagnostics(self) -> None:
-        wall, simulated = time.monotonic(), self._cycle.time_ns
-        wall_before, simulated_before = self._diagnosed
-        self._diagnosed = (wall, simulated)
-        refused = sum(n for field, n in self._rejections.counts.items() if field not in EXPECTED)
-        values = {
-            "mode": self._parameters.mode,
-            "paused": self._mode.paused,
-            "epoch": self._cycle.epoch,
-            "simulated_time_s": simulated / NANOSECONDS,
-            "real_time_factor": round(
-                (simulated - simulated_before) / NANOSECONDS / (wall - wall_before), 3
-            ),
-            **self._mode.diagnostics(),
-            **{f"rejected_{field}": n for field, n in sorted(self._rejections.counts.items())},
-        }
-        summary = f"{refused} commands refused or clipped" if refused else "ok"
+        health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
-            diagnostics_message(simulated, NODE_NAME, summary, refused > 0, values)
+            diagnostics_message(
+                self._cycle.time_ns, NODE_NAME, health.summary, health.warning, health.values
+            )
         )
 
     def _save_log_at_end(self) -> None:
@@ -213,8 +206,11 @@ class SimBridge:
             self._rows_saved = len(self._log)
 
     def close(self) -> None:
-        """Write the log of a run that was stopped before its end."""
+        """Write the log of a run that was stopped before its end; deliver what is on the way."""
         self._save_log()
+        if self._parameters.lossless:
+            for publisher in self.node.publishers:
+                publisher.wait_for_all_acked(DELIVERY_TIMEOUT)
 
 
 def main(args: Sequence[str] | None = None) -> int:
