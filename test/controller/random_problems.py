@@ -7,6 +7,11 @@ import numpy as np
 from ghc_controller.formulations import ContactRows, ControlProblem
 from ghc_controller.types import Array, Bounds
 
+# Rows on (f_x, f_y, f_z) that are at most 0: friction coefficient 0.7, pushing only.
+_PYRAMID = np.array(
+    [[1, 0, -0.7], [-1, 0, -0.7], [0, 1, -0.7], [0, -1, -0.7], [0, 0, -1.0]], dtype=np.float64
+)
+
 
 def strict_alpha(k: int) -> Array:
     """(k, k) of 1 > 2 > .. > k."""
@@ -82,13 +87,7 @@ def _contact_rows(rng: np.random.Generator, n: int, contacts: int, bias: Array) 
             [[0, -arm[2], arm[1]], [arm[2], 0, -arm[0]], [-arm[1], arm[0], 0]]
         )
         block = np.zeros((5, 3 * contacts))
-        block[:, 3 * c : 3 * c + 3] = [
-            [1, 0, -0.7],
-            [-1, 0, -0.7],
-            [0, 1, -0.7],
-            [0, -1, -0.7],
-            [0, 0, -1],
-        ]
+        block[:, 3 * c : 3 * c + 3] = _PYRAMID
         pyramid.append(block)
         load += jacobian[3 * c : 3 * c + 3, :6].T @ np.array([0.0, 0.0, 40.0])
     bias[:6] = load

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tools.workspace import checks
-from tools.workspace.build_steps import Messages, PythonPackages
+from tools.workspace.build_steps import Kernels, Messages, PythonPackages
 from tools.workspace.environment_steps import Packages, VirtualEnvironment
 from tools.workspace.errors import SetupError
 from tools.workspace.layout import Layout, Way
@@ -19,7 +19,13 @@ from tools.workspace.machine import Machine
 from tools.workspace.run import Runner
 from tools.workspace.step import Context, Step
 
-STEPS: tuple[type[Step], ...] = (VirtualEnvironment, Packages, Messages, PythonPackages)
+STEPS: tuple[type[Step], ...] = (
+    VirtualEnvironment,
+    Packages,
+    Messages,
+    PythonPackages,
+    Kernels,
+)
 
 INTERRUPTED = 130  # exit code that shells give to a command ended by SIGINT
 

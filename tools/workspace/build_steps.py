@@ -1,4 +1,4 @@
-"""The steps that build `src/` into `install/`: the messages, and the Python packages."""
+"""The steps that build `src/`: the messages, the Python packages, the compiled kernels."""
 
 from __future__ import annotations
 
@@ -106,3 +106,33 @@ class PythonPackages(ColconBuild):
 
     def make(self) -> None:
         self._colcon([])
+
+
+class Kernels(Step):
+    """Inner loops of the controller, compiled into the caches beside their sources."""
+
+    title = "kernels of the controller (compiled, about a minute)"
+
+    def key(self) -> str:
+        sources = (path for path in files_below(self._package()) if path.suffix == ".py")
+        files = [path for path in sources if b"njit" in path.read_bytes()]
+        return key_of([*files, self.context.lock()], self.context.venv_version(), self.layout.root)
+
+    def stamp(self) -> Stamp:
+        return Stamp(self.layout.build / ".kernels_stamp")
+
+    def outputs(self) -> Sequence[Path]:
+        return []
+
+    def make(self) -> None:
+        for cached in self._package().glob("**/__pycache__/*.nb[ic]"):
+            cached.unlink()  # a cache does not notice edits of the functions that it calls
+        environment = {**self.context.environment(), "PYTHONPATH": str(self._package())}
+        self.context.run(
+            [str(self.layout.python), "-m", "ghc_controller.compile_kernels"],
+            environment,
+            "the kernels of the controller could not be compiled",
+        )
+
+    def _package(self) -> Path:
+        return self.layout.source / "ghc_controller"

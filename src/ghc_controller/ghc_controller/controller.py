@@ -31,9 +31,11 @@ from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.report import Report, StepResult, StepStatus, TaskReport
 from ghc_controller.robot_config import RobotConfig, load_robot_config
+from ghc_controller.robot_model import RobotModel
 from ghc_controller.robots import find_robot
 from ghc_controller.task_stack import TaskStack
-from ghc_controller.types import Array, RobotState
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Array, Bounds, RobotState
 
 _STATUS = {
     SolutionStatus.SOLVED: StepStatus.SOLVED,
@@ -87,12 +89,22 @@ class Controller:
         return cls(load_robot_config(find_robot(robot)), settings)
 
     def warm_up(self) -> None:
-        """Compile and load every kernel, so that the first ticks take no longer than others."""
-        for q in (self.model.q, self.model.q + 0.1):
-            state = RobotState(0.0, q.copy(), self.model.v.copy(), np.zeros(self.model.na))
-            self.step(state)
+        """Compile and load every kernel, so that no tick takes longer for it, also in contact."""
+        wrenches = {
+            task.force.contact: np.full(6, 10.0 + 10.0 * task.force.threshold)
+            for task in self.robot.tasks
+            if task.force is not None
+        }
+        self.model.update(self.model.q, self.model.v)
+        for task in self.robot.tasks:
+            self.references.add(_moving_reference(task, self.model))
+        for time in (0.0, 0.5):
+            q = self.model.q + 0.1 * time
+            v, torque = np.zeros(self.model.nv), np.zeros(self.model.na)
+            self.step(RobotState(time, q, v, torque, wrenches))
         problem = self._problem()
-        tight = replace(problem.torque, lower=problem.bias - 1e-3, upper=problem.bias + 1e-3)
+        unactuated = problem.unactuated
+        tight = Bounds(problem.bias[unactuated:] - 1e-3, problem.bias[unactuated:] + 1e-3)
         self.formulation.solve(replace(problem, torque=tight))
         self._smallest_singular_value(self._alpha)
         self.reset()
@@ -264,6 +276,14 @@ class Controller:
             )
             for entry in np.flatnonzero(solution.acceleration_slack > 0.0)
         )
+
+
+def _moving_reference(task: Task, model: RobotModel) -> ReferenceTrajectory:
+    """A reference of one second that uses every kind of interpolation of a task."""
+    position = np.stack([task.current(model)] * 2)
+    zeros = np.zeros((2, task.size))
+    wrench = None if task.force is None else zeros + 1.0
+    return ReferenceTrajectory.for_task(task, np.array([0.0, 1.0]), position, zeros, zeros, wrench)
 
 
 def _conflicting(boxes: Boxes) -> list[str]:
