@@ -17,12 +17,10 @@ WAIT = 60.0  # [s] wall; a first start compiles the controller's kernels
 @pytest.fixture
 def robot(start_node: Callable[..., Any]) -> Callable[..., Any]:
     """A simulated robot under control; starts `transition` with arguments."""
-    start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", "scene:=kuka_lwr")
-    start_node(
-        "ghc_controller",
-        "controller",
-        *("--ros-args", "-p", "robot:=kuka_lwr", "-p", "hierarchy:='elbow > posture'"),
-    )
+    patience = ("-p", f"lockstep_timeout:={WAIT}")
+    start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", "scene:=kuka_lwr", *patience)
+    hierarchy = ("-p", "hierarchy:='elbow > posture'")
+    start_node("ghc_controller", "controller", "--ros-args", "-p", "robot:=kuka_lwr", *hierarchy)
     return lambda *arguments: start_node("ghc_controller", "transition", *arguments)
 
 

@@ -62,16 +62,23 @@ class TransitionRequest:
         self.node.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
         )
-        # Made last: once its latched message is here, the controller knows the other two.
+        # Made last: once its latched message is here, the controller knows the one above.
         self.node.create_subscription(
             PriorityMatrix, "ghc/priority_matrix", self._on_matrix, LATCHED_QOS
         )
+        self._in_force: PriorityMatrix | None = None
+
+    def send_when_heard(self) -> None:
+        """Send the request, once, when a controller will get it and can answer."""
+        matrix = self._in_force
+        if self.sent or matrix is None or self._publisher.get_subscription_count() == 0:
+            return
+        self._show(line(matrix.header.stamp, "in force", matrix.hierarchy or "a matrix"))
+        self._publisher.publish(self._request)
+        self.sent = True
 
     def _on_matrix(self, message: PriorityMatrix) -> None:
-        if not self.sent:
-            self._show(line(message.header.stamp, "in force", message.hierarchy or "a matrix"))
-            self._publisher.publish(self._request)
-            self.sent = True
+        self._in_force = message
 
     def _on_status(self, message: TransitionStatus) -> None:
         if message.id == self._request.id:
@@ -125,6 +132,7 @@ def _follow(request: TransitionRequest, timeout: float) -> int:
     deadline = time.monotonic() + timeout
     while request.exit_code is None:
         executor.spin_once(timeout_sec=0.05)
+        request.send_when_heard()
         if time.monotonic() > deadline:
             what = (
                 "the transition did not end"
