@@ -35,8 +35,9 @@ from ghc_sim_bridge.state_cdr import read_stamp
 
 NODE_NAME = "recorder"
 DISCOVERY_PERIOD = 0.1  # [s] wall
-QUIET = 0.3  # [s] wall; nothing arrived for so long: the nodes that end with us are done
-PATIENCE = 8.0  # [s] wall for what still arrives after the signal to stop
+GRACE = 0.3  # [s] wall for the last words of nodes that end together with this one
+BACKLOG = 300  # [-] messages found waiting at once: this reader was behind, there may be more
+PATIENCE = 8.0  # [s] wall for all of them
 CLOCK_TOPIC = "/clock"
 # Fast topics by their last name, and by the one before it for topics like contacts/<name>. All
 # of them begin with a stamp; a topic of such a name that does not is not thinned.
@@ -116,10 +117,11 @@ class Recorder:
 
     def close(self) -> None:
         """Take what is still on the way, and write the file's index."""
-        quiet_since = began = time.monotonic()
-        while time.monotonic() - quiet_since < QUIET and time.monotonic() - began < PATIENCE:
-            if self._take_waiting():
-                quiet_since = time.monotonic()
+        began = time.monotonic()
+        end = began + GRACE
+        while time.monotonic() < end:
+            if self._take_waiting() > BACKLOG:
+                end = min(time.monotonic() + GRACE, began + PATIENCE)
             time.sleep(0.01)
         self._timeline.decide()
         self._recording.close()
