@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -80,10 +81,14 @@ class Measurement:
 
 
 def frame_of(normal: Array) -> Array:
-    """(3, 3) rows: away from the protected frame, and two tangents; a rotation of the world."""
-    away = -normal
-    helper = np.zeros(3)
-    helper[int(np.argmin(np.abs(away)))] = 1.0
-    first = np.cross(away, helper)
-    first /= np.linalg.norm(first)
-    return np.array([away, first, np.cross(away, first)])
+    """(3, 3) rows: away from the protected frame, and two tangents; a rotation of the world.
+
+    Duff et al., *Building an orthonormal basis, revisited*: no square root, no special case.
+    """
+    x, y, z = (-normal).tolist()
+    sign = math.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    first = (1.0 + sign * x * x * a, sign * b, -sign * x)
+    second = (b, sign + y * y * a, -y)
+    return np.array([(x, y, z), first, second])

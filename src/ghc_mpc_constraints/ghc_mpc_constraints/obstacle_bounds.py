@@ -69,6 +69,7 @@ class ObstacleBounds:
         self.horizon = Horizon.of(settings.step, settings.horizon)
         self.counts: Counter[str] = Counter()
         self._qp = MotionQp(self.horizon, settings.jerk_weight)
+        self._no_limit = np.full(self.horizon.steps, np.inf)
         self._obstacles: dict[str, VirtualObstacle] = {}
         self._plan: MotionPlan | None = None
         self._observed_at: float | None = None
@@ -175,23 +176,16 @@ class ObstacleBounds:
     ) -> tuple[Array, Array, MotionStatus]:
         """State (3, 3), jerks (N, 3) and how they came about."""
         axes = frame_of(measurement.normal)
-        raw = obstacle.reference.preview(self.horizon.times(time)[1:]) @ axes.T
-        state = obstacle.state @ axes.T
-        jerk = np.empty((self.horizon.steps, 3))
+        raw = axes @ obstacle.reference.preview(self.horizon.times(time)[1:]).T  # (3, N)
+        state = axes @ obstacle.state.T  # row = position, velocity, acceleration of an axis
+        jerk = np.empty_like(raw)
         for axis in range(3):
-            weights, limit = self._weights(raw[:, axis], axis), np.full(len(raw), np.inf)
-            if axis == 0:
-                limit = raw[:, 0]
-            answer = self._qp.solve(
-                np.ascontiguousarray(state[:, axis]),
-                np.ascontiguousarray(raw[:, axis]),
-                weights,
-                np.ascontiguousarray(limit),
-            )
+            limit = raw[0] if axis == 0 else self._no_limit
+            answer = self._qp.solve(state[axis], raw[axis], self._weights(raw[axis], axis), limit)
             if answer is None:
                 return self._without_solution(obstacle.state, axes, raw, time, old)
-            jerk[:, axis] = answer
-        return obstacle.state, jerk @ axes, MotionStatus.SMOOTHED
+            jerk[axis] = answer
+        return obstacle.state, np.ascontiguousarray(jerk.T @ axes), MotionStatus.SMOOTHED
 
     def _weights(self, raw: Array, axis: int) -> Array:
         if not self.settings.dynamic_weighting:
@@ -208,7 +202,7 @@ class ObstacleBounds:
             if 0 <= done < len(old.jerk):
                 return state, old.jerk[done:], MotionStatus.HELD
         place = axes @ state[0]
-        place[0] = min(place[0], raw[:, 0].min())
+        place[0] = min(place[0], raw[0].min())
         rest = np.zeros((3, 3))
         rest[0] = place @ axes
         return rest, _STILL, MotionStatus.TIGHTENED
