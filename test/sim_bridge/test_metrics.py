@@ -12,6 +12,7 @@ from ghc_sim_bridge.metrics import (
     peak_torque_jump,
     peak_torque_rate,
     percentiles,
+    phase_end_speed,
     relative_excess,
 )
 
@@ -64,6 +65,15 @@ def test_jerk_integral_does_not_depend_on_the_sampling() -> None:
     fine_value = jerk_integral(TIME, np.cos(TIME)[:, None], SPANS).total
     coarse_value = jerk_integral(coarse, np.cos(coarse)[:, None], SPANS).total
     assert coarse_value == pytest.approx(fine_value, rel=1e-2)
+
+
+def test_the_end_speed_sees_only_the_last_second_of_a_phase() -> None:
+    velocity = np.zeros((len(TIME), 2))
+    velocity[TIME < 2.9, 0] = 5.0  # over before the last second of the first phase
+    velocity[TIME >= 9.5, 1] = -0.25
+    speed = phase_end_speed(TIME, velocity, SPANS)
+    assert speed.per_phase == (0.0, 0.25)
+    assert speed.total == 0.25
 
 
 def test_excess_is_a_fraction_of_the_limit_on_either_side() -> None:

@@ -37,6 +37,7 @@ def made_up(rate: float, jerk: float, second: float) -> dict[str, Any]:
         "control_dt_s": 1e-3,
         "peak_torque_rate_nm_per_s": {"total": rate, "per_phase": [10.0, rate]},
         "jerk_integral": {"total": 2.0 * jerk, "per_phase": [jerk, jerk]},
+        "phase_end_speed_rad_per_s": {"total": 0.1, "per_phase": [0.0, 0.1]},
         "gated_ticks": 0,
         "torque_rate_limit_nm_per_s": None,
         "paper": {"phase_errors": [{"paper": beside}, {"paper": beside}]},

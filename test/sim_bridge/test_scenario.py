@@ -106,6 +106,14 @@ def test_a_parameter_reaches_its_node_and_keeps_its_type(tmp_path: Path) -> None
     assert plan.parameters["sim_bridge"]["torque_rate_limit"] == 0.0
 
 
+def test_parameters_of_a_formulation_are_used_with_it_alone(tmp_path: Path) -> None:
+    extra = {"ghc": {"layer_damping": 0.5}}
+    scenario = load_scenario(write(tmp_path, formulation_parameters=extra))
+    for formulation, value in (("ghc", 0.5), ("balanced", None)):
+        plan = make_plan(scenario, RunOptions(formulation=formulation), tmp_path)
+        assert plan.parameters["controller"].get("layer_damping") == value
+
+
 @pytest.mark.parametrize("text", ["controller", "controller:x", "x:=1", "controller::=1"])
 def test_a_malformed_parameter_shows_the_form(text: str) -> None:
     with pytest.raises(InvalidValue, match="node:name:=value"):
@@ -150,6 +158,7 @@ def test_an_unknown_scenario_or_variant_names_those_that_exist() -> None:
         ({"references": {"a": {"place": [0]}}}, ["references.a", "position", "place"]),
         ({"references": {"a": {"points": []}}}, ["references.a.points", "none given"]),
         ({"references": {"a": {"position": [0, None]}}}, ["references.a.position[1]", "None"]),
+        ({"formulation_parameters": {"magic": {}}}, ["formulation_parameters.magic", "hqp"]),
         ({"parameters": {"arm": {}}}, ["parameters.arm", "controller"]),
     ],
 )

@@ -18,6 +18,7 @@ from ghc_sim_bridge.metrics import (
     limit_violations,
     peak_torque_jump,
     peak_torque_rate,
+    phase_end_speed,
 )
 from ghc_sim_bridge.run_plan import RunPlan
 from ghc_sim_bridge.task_errors import RunHistory, gravity_torques, recompute_history
@@ -54,6 +55,7 @@ class Analysis:
     torque_jump: PhasedFigure  # [Nm]
     start_up_jump: float  # [Nm] from the bridge's hold to the first command
     jerk: PhasedFigure  # [rad/s^2]
+    end_speed: PhasedFigure  # [rad/s] over the last second of each phase
     violations: Mapping[str, float]  # limit -> largest relative excess [-]
 
 
@@ -81,6 +83,7 @@ def analyse(plan: RunPlan, log_file: Path, robot_file: Path) -> Analysis:
         torque_jump=peak_torque_jump(log.time, log.torque, spans),
         start_up_jump=float(np.abs(log.torque[0] - history.gravity[0]).max()),
         jerk=jerk_integral(log.time, log.acceleration, spans),
+        end_speed=phase_end_speed(log.time, log.v, spans),
         violations=limit_violations(_checks(log, limits, robot)),
     )
 

@@ -73,6 +73,17 @@ def jerk_integral(
     return _over_phases(time, jerk_steps(acceleration), spans, np.sum)
 
 
+def phase_end_speed(
+    time: Array, velocity: Array, spans: Sequence[tuple[float, float]], window: float = 1.0
+) -> PhasedFigure:
+    """Largest joint speed over the last `window` [s] of each phase [rad/s]: 0 = at rest.
+
+    Task errors can be constant while the arm still swings in directions that they do not see.
+    """
+    tails = [(max(start, end - window), end) for start, end in spans]
+    return _over_phases(time, np.abs(velocity).max(axis=1), tails, np.max)
+
+
 def relative_excess(check: LimitCheck) -> Array:
     """Largest excess of each column over its limit, as a fraction of that limit, (n,) [-].
 

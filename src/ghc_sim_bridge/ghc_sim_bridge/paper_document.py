@@ -27,8 +27,11 @@ A torque rate is the largest torque step of a joint over the control period, and
 
 The paper does not print its targets, its start posture or its inertial parameters. Ours stand in
 `scenarios/*.yaml` and in the robot's URDF. So the errors of tasks that have to give way, which
-only measure how far apart the targets are, are not comparable in size; their pattern is: which
-task reaches zero, and that GHC ends where HQP does.
+only measure how far apart the targets are, are not comparable in size; which task reaches zero is.
+
+`balanced`, the default formulation, runs with damped projector layers (`layer_damping` of the
+scenario files). Without them the same errors are reached, but wherever the arm has to stretch,
+the second task loses a direction, and the wrist swings for ever in a motion that no task damps.
 """
 
 

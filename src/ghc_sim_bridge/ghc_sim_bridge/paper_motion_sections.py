@@ -79,7 +79,8 @@ _LEMNISCATE_REASONS = """Why they differ from the paper's: 1.5 Nm on the torques
 is what the paper prints, cannot hold this arm up: its shoulder needs some ten times that against
 gravity. We take the reading under which the experiment is possible and the figure means the same:
 the bound holds for what is commanded beyond gravity, |tau - g(q)| <= 1.5 Nm, in every joint. The
-curve is the paper's in size and period (2 pi s); its place follows our start posture."""
+curve has the size and the period (2 pi s) of the paper's; its centre is moved, since at the
+paper's (0.40, 0, 0.40) m this arm folds onto the end stop of joint 4."""
 
 
 def contact_section(summaries: Summaries, pictures: Pictures) -> str:

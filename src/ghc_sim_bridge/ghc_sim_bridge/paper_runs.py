@@ -42,6 +42,11 @@ PAPER_RUNS = (
     _switching("balanced_fast", "balanced", _AT_ONCE),
     _switching("ghc_fast", "ghc", _AT_ONCE),
     PaperRun(
+        "balanced_exact",
+        "priority_switching",
+        options=RunOptions(parameters=(("controller", "layer_damping", 0.0),)),
+    ),
+    PaperRun(
         "hqp_gated",
         "priority_switching",
         options=RunOptions(

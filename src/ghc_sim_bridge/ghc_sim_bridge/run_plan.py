@@ -206,6 +206,7 @@ def _with_parameters(plan: RunPlan) -> RunPlan:
     for node, values in scenario.parameters.items():
         if node in nodes:
             nodes[node].update(values)
+    nodes["controller"].update(scenario.formulation_parameters.get(plan.formulation, {}))
     for node, name, value in plan.options.parameters:
         if node not in nodes:
             raise UnknownName("node of this run", node, nodes)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_controller.errors import UnknownName
+from ghc_controller.formulations import FORMULATIONS
 from ghc_sim_bridge.references import Reference, read_reference
 from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
@@ -56,6 +57,7 @@ class Scenario:
     references: tuple[Reference, ...]
     phases: tuple[Phase, ...]
     parameters: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value
+    formulation_parameters: Mapping[str, Mapping[str, Any]]  # formulation -> of the controller
     robot_changes: Mapping[str, Any]  # merged into the robot's YAML
     paper: Mapping[str, Any]  # what the paper says, copied into the summary
 
@@ -125,11 +127,21 @@ def _read_scenario(
         ),
         phases=phases,
         parameters={node: dict(parameters.value(node)) for node in parameters.names()},
+        formulation_parameters=_read_formulations(fields.section("formulation_parameters", {})),
         robot_changes=dict(fields.value("robot_changes", {})),
         paper=dict(fields.value("paper", {})),
     )
     fields.close()
     return scenario
+
+
+def _read_formulations(fields: Fields) -> Mapping[str, Mapping[str, Any]]:
+    for name in fields.names():
+        if name not in FORMULATIONS:
+            raise fields.error(name, f"unknown formulation; known: {', '.join(FORMULATIONS)}")
+        if not isinstance(fields.value(name), dict):
+            raise fields.error(name, f"a mapping is expected, {fields.value(name)!r} given")
+    return {name: fields.value(name) for name in fields.names()}
 
 
 def _read_phase(fields: Fields, default_hold: float) -> Phase:

@@ -49,6 +49,7 @@ def make_summary(
         "start_up_torque_jump_nm": analysis.start_up_jump,
         "jerk_integral": _phased(analysis.jerk),
         "jerk_integral_unit": "rad/s^2",
+        "phase_end_speed_rad_per_s": _phased(analysis.end_speed),
         "limit_violations": dict(analysis.violations),
         "limit_violations_unit": "largest excess as a fraction of the limit",
         "soft_row_slack": trace.slack,
