@@ -25,6 +25,7 @@ setup(
             "recorder = ghc_sim_bridge.recorder_node:main",
             "viewer = ghc_sim_bridge.viewer_node:main",
             "paper = ghc_sim_bridge.paper:main",
+            "picture = ghc_sim_bridge.picture:main",
         ]
     },
 )
