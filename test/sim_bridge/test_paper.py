@@ -102,7 +102,9 @@ def test_the_comparisons_that_the_paper_makes_are_there(tmp_path: Path) -> None:
         "weighted",
     }
     assert (plans["hqp"].transition, plans["ghc_fast"].transition) == (0.0, 0.005)
-    limited = [name for name, plan in plans.items() if plan.torque_rate_limit > 0.0]
+    limited = [
+        name for name, plan in plans.items() if plan.parameters["controller"]["torque_rate_limit"]
+    ]
     assert limited == ["hqp_gated"]
     gated = plans["hqp_gated"].parameters
     assert gated["controller"]["torque_rate_limit"] == gated["sim_bridge"]["torque_rate_limit"]

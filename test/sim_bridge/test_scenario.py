@@ -101,7 +101,7 @@ def test_only_the_scenario_as_it_stands_is_the_default_variant(tmp_path: Path) -
 def test_a_parameter_reaches_its_node_and_keeps_its_type(tmp_path: Path) -> None:
     given = parse_parameter("controller:torque_rate_limit:=1000")
     plan = make_plan(load_scenario(write(tmp_path)), RunOptions(parameters=(given,)), tmp_path)
-    assert plan.torque_rate_limit == 1000.0
+    assert plan.parameters["controller"]["torque_rate_limit"] == 1000.0
     assert isinstance(plan.parameters["controller"]["torque_rate_limit"], float)
     assert plan.parameters["sim_bridge"]["torque_rate_limit"] == 0.0
 

@@ -109,8 +109,18 @@ def _limits(plan: RunPlan, log: FullRateLog, robot: RobotConfig) -> Limits:
         torque=read.torque[order],
         torque_bound=bound,
         bound_around_gravity=controller.get("torque_bound_around") == "gravity",
-        torque_rate=plan.torque_rate_limit,
+        torque_rate=_torque_rate_limit(plan, robot),
     )
+
+
+def _torque_rate_limit(plan: RunPlan, robot: RobotConfig) -> float:
+    """The tighter one of controller and bridge [Nm/s]; 0 = off in both."""
+    limits = [
+        float(plan.parameters[node]["torque_rate_limit"]) for node in ("controller", "sim_bridge")
+    ]
+    if limits[0] < 0.0:
+        limits[0] = robot.torque_rate
+    return min((limit for limit in limits if limit > 0.0), default=0.0)
 
 
 def _checks(log: FullRateLog, limits: Limits, robot: RobotConfig) -> list[LimitCheck]:

@@ -63,9 +63,7 @@ class ExperimentClient(Node):
         self.trace = ControllerTrace()
         self.statuses: dict[str, TransitionStatus] = {}  # id -> latest answer
         self.accepted: set[str] = set()
-        self.hierarchy = ""
-        self.in_transition = False
-        self.matrix_received = False
+        self.controller_spoke = False
         self.state_time: float | None = None  # [s] latest joint state, while watched
         self._states: Subscription | None = None
         self._references = self.create_publisher(TaskReference, REFERENCE_TOPIC, _RELIABLE)
@@ -74,7 +72,9 @@ class ExperimentClient(Node):
         self.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, _RELIABLE
         )
-        self.create_subscription(PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED)
+        self._matrices = self.create_subscription(
+            PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED
+        )
         self.create_subscription(
             ControllerState, "ghc/controller_state", self._on_controller_state, _STREAM
         )
@@ -88,6 +88,10 @@ class ExperimentClient(Node):
         elif not watch and self._states is not None:
             self.destroy_subscription(self._states)
             self._states = None
+
+    def stop_waiting_for_controller(self) -> None:
+        """Leave the latched topic that told of the controller's start."""
+        self.destroy_subscription(self._matrices)
 
     def is_read_by(self, node: str, topic: str) -> bool:
         """Whether a node subscribes to a topic."""
@@ -137,10 +141,8 @@ class ExperimentClient(Node):
         if message.status != TransitionStatus.REJECTED:
             self.accepted.add(message.id)
 
-    def _on_matrix(self, message: PriorityMatrix) -> None:
-        self.matrix_received = True
-        self.hierarchy = message.hierarchy
-        self.in_transition = message.in_transition
+    def _on_matrix(self, _message: PriorityMatrix) -> None:
+        self.controller_spoke = True
 
     def _on_state(self, message: JointState) -> None:
         self.state_time = to_seconds(message.header.stamp)

@@ -147,8 +147,9 @@ class _Driver:
         )
         client.watch_states(False)
         self._until(
-            lambda: client.matrix_received, "a priority matrix from controller", _START_DEADLINE
+            lambda: client.controller_spoke, "a priority matrix from controller", _START_DEADLINE
         )
+        client.stop_waiting_for_controller()
         for name in self._plan.parameters:
             for topic in _READ_BEFORE_START.get(name, ()):
                 self._until(

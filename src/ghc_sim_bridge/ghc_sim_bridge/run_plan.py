@@ -62,11 +62,6 @@ class RunPlan:
         """Simulated length of the run [s]."""
         return self.phases[-1].end
 
-    @property
-    def torque_rate_limit(self) -> float:
-        """Rate limit in force on both sides [Nm/s]; 0 = off."""
-        return float(self.parameters["controller"]["torque_rate_limit"])
-
 
 def parse_parameter(text: str) -> tuple[str, str, Any]:
     """`node:name:=value` as on the command line of `ros2 run`, with the node before it.

@@ -28,7 +28,7 @@ def make_summary(
     """All that design section 2 asks for, and what the scenario adds."""
     plan, log = analysis.plan, analysis.log
     sim_seconds = len(log.time) * log.control_dt
-    rate_limit = plan.torque_rate_limit
+    rate_limit = analysis.limits.torque_rate
     summary = {
         "scenario": plan.scenario.name,
         "title": plan.scenario.title,
