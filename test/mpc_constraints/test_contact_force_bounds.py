@@ -140,8 +140,6 @@ def test_taken_over_bound_is_where_the_plan_starts() -> None:
 class _NoSolution:
     """Stands in for a QP that finds nothing."""
 
-    second_opinions = 0
-
     def solve(self, *_: object) -> None:
         return None
 

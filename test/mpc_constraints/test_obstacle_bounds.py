@@ -145,8 +145,8 @@ def test_restarted_generator_goes_on_from_the_motion_in_force() -> None:
     """Taken over in the middle of an approach: the next states are those of the old one."""
     old, new = ObstacleBounds(ObstacleSettings()), ObstacleBounds(ObstacleSettings())
     plan = _run(old, np.full(120, 0.25))[-1]
-    new.observe([_seen(0.25)], 1.2)
     new.take_over("box", plan.obstacles[0].trajectory(STEP)[1])
+    new.observe([_seen(0.25)], 1.2)
     started = new.tick(1.2).obstacles[0]
     assert np.allclose(started.state, old.tick(1.2).obstacles[0].state, rtol=0.0, atol=1e-12)
     assert np.abs(started.jerk[0]).max() < 60.0
@@ -154,8 +154,6 @@ def test_restarted_generator_goes_on_from_the_motion_in_force() -> None:
 
 class _NoSolution:
     """Stands in for a QP that finds nothing."""
-
-    second_opinions = 0
 
     def solve(self, *_: object) -> None:
         return None

@@ -41,7 +41,7 @@ def test_force_bounds_equal_the_general_solver() -> None:
         assert residuals(problem, expected).primal < 1e-8
         assert answer is not None
         assert np.allclose(np.concatenate(answer[::-1]), expected.x, rtol=0.0, atol=1e-8)
-    assert qp.second_opinions == 0
+    assert qp.second.asked == 0
 
 
 @pytest.mark.parametrize("weighted", [False, True])
@@ -63,7 +63,7 @@ def test_motion_equals_the_general_solver(weighted: bool) -> None:
         assert (problem.C @ jerk <= problem.u + 1e-8).all()
         costs = [0.5 * x @ problem.H @ x + problem.g @ x for x in (jerk, expected.x)]
         assert costs[0] <= costs[1] + 1e-8 * (1.0 + abs(costs[1]))
-    assert qp.second_opinions == 0
+    assert qp.second.asked == 0
 
 
 def test_second_opinion_where_the_structured_solve_gives_up(
@@ -88,7 +88,7 @@ def test_second_opinion_where_the_structured_solve_gives_up(
     assert again is not None
     response = motion.problem(state, raw, np.ones(STEPS), raw).C
     assert np.allclose(response @ jerk, response @ again, rtol=0.0, atol=1e-8)
-    assert (force.second_opinions, motion.second_opinions) == (1, 1)
+    assert (force.second.asked, motion.second.asked) == (1, 1)
 
 
 @pytest.mark.parametrize("weight", [0.0, -1.0, float("nan"), float("inf")])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -50,9 +51,12 @@ def test_the_only_reading_with_the_thesis_overshoot_is_a_larger_jump() -> None:
 
 @pytest.mark.parametrize("generator", ["contact_force_bounds", "obstacle_bounds"])
 def test_a_tick_with_four_takes_at_most_two_milliseconds(generator: str) -> None:
-    """Median over 400 ticks that all have a change in their horizon; best of three."""
+    """Median over 400 ticks that all have a change in their horizon; best of three.
+
+    Time of this thread, so that what else the machine does is left out.
+    """
     case = TickCase(generator, 4, 1.5)
-    assert min(time_ticks(case).median for _ in range(3)) <= 2e-3
+    assert min(time_ticks(case, time.thread_time).median for _ in range(3)) <= 2e-3
 
 
 def test_studies_write_document_and_figures(

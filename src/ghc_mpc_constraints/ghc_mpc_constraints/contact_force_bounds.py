@@ -60,7 +60,7 @@ class ContactForceBounds:
     @property
     def second_opinions(self) -> int:
         """How often the structured solve had to be repeated by another solver."""
-        return self._qp.second_opinions
+        return self._qp.second.asked
 
     def set_schedule(self, schedule: ContactSchedule, now: float) -> None:
         """Use a schedule from its first time on; what was planned up to there stays."""

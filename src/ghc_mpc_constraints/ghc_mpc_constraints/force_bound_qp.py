@@ -16,7 +16,7 @@ import numba
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.qp import RESIDUAL_TOLERANCE, QpProblem, make_solver, residuals
+from ghc_controller.qp import QpProblem
 from ghc_controller.types import Array
 from ghc_mpc_constraints.active_set import (
     CAPACITY,
@@ -26,6 +26,7 @@ from ghc_mpc_constraints.active_set import (
     take_in,
 )
 from ghc_mpc_constraints.preview_model import Horizon, integrator_chain
+from ghc_mpc_constraints.second_solver import SecondSolver
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +54,7 @@ class ForceBoundQp:
         self._weights = np.array([weights.upper_rate_weight, weights.lower_rate_weight])
         self._hessians = [np.eye(horizon.steps) + w * rates.T @ rates for w in self._weights]
         self._inverses = np.array([np.linalg.inv(hessian) for hessian in self._hessians])
-        self._second = make_solver("daqp")
-        self.second_opinions = 0  # ticks on which the structured solve was not good enough
+        self.second = SecondSolver()
 
     def solve(
         self, start: tuple[float, float], raw_lower: Array, raw_upper: Array
@@ -67,14 +67,10 @@ class ForceBoundQp:
         pulls = self._weights / self._horizon.step**2
         answer, solved = _solve(self._inverses, pulls, start[0], start[1], raw_lower, raw_upper)
         if not solved:
-            self.second_opinions += 1
-            problem = self.problem(start, raw_lower, raw_upper)
-            result = self._second.solve(problem)
-            if not (
-                result.found and residuals(problem, result).relative(result) < RESIDUAL_TOLERANCE
-            ):
+            written_out = self.second.solve(self.problem(start, raw_lower, raw_upper))
+            if written_out is None:
                 return None
-            answer = result.x.reshape(2, -1)
+            answer = written_out.reshape(2, -1)
         # To the last digit: the solver leaves 1e-9.
         upper = np.minimum(np.maximum(answer[0], raw_lower), raw_upper)
         lower = np.minimum(np.maximum(answer[1], raw_lower), upper)

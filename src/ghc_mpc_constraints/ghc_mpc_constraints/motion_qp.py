@@ -14,7 +14,7 @@ import numba
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.qp import RESIDUAL_TOLERANCE, QpProblem, make_solver, residuals
+from ghc_controller.qp import QpProblem
 from ghc_controller.types import Array
 from ghc_mpc_constraints.active_set import (
     CAPACITY,
@@ -25,6 +25,7 @@ from ghc_mpc_constraints.active_set import (
 )
 from ghc_mpc_constraints.motion_kernels import factor, respond
 from ghc_mpc_constraints.preview_model import Horizon, integrator_chain
+from ghc_mpc_constraints.second_solver import SecondSolver
 
 ORDER = 3  # position, velocity, acceleration; the jerk is the input
 
@@ -41,8 +42,7 @@ class MotionQp:
         self._step = horizon.step
         self._model = integrator_chain(ORDER, horizon)
         self._jerk_weight = jerk_weight
-        self._second = make_solver("daqp")
-        self.second_opinions = 0  # axes on which the structured solve was not good enough
+        self.second = SecondSolver()
 
     def solve(self, state: Array, raw: Array, weights: Array, limit: Array) -> Array | None:
         """Jerks (N,) [m/s^3] of the best motion; None when no solution was found.
@@ -53,12 +53,7 @@ class MotionQp:
         jerk, solved = _solve(self._step, state, raw, weights, limit, self._jerk_weight)
         if solved:
             return jerk
-        self.second_opinions += 1
-        problem = self.problem(state, raw, weights, limit)
-        result = self._second.solve(problem)
-        if result.found and residuals(problem, result).relative(result) < RESIDUAL_TOLERANCE:
-            return result.x
-        return None
+        return self.second.solve(self.problem(state, raw, weights, limit))
 
     def problem(self, state: Array, raw: Array, weights: Array, limit: Array) -> QpProblem:
         """The same QP written out in the jerks, with the stacked responses of eq. 4.13."""

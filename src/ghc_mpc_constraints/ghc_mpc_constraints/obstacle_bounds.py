@@ -25,7 +25,7 @@ from ghc_mpc_constraints.motion_weights import (
     dynamic_weights_two_sided,
 )
 from ghc_mpc_constraints.preview_model import Horizon
-from ghc_mpc_constraints.virtual_obstacle import VirtualObstacle
+from ghc_mpc_constraints.virtual_obstacle import VirtualObstacle, at_rest
 
 _STILL = np.zeros((0, 3))
 
@@ -71,6 +71,7 @@ class ObstacleBounds:
         self._qp = MotionQp(self.horizon, settings.jerk_weight)
         self._no_limit = np.full(self.horizon.steps, np.inf)
         self._obstacles: dict[str, VirtualObstacle] = {}
+        self._handed_over: dict[str, Array] = {}  # id -> state in force (3, 3)
         self._plan: MotionPlan | None = None
         self._observed_at: float | None = None
         self._stale = False
@@ -80,35 +81,43 @@ class ObstacleBounds:
     @property
     def second_opinions(self) -> int:
         """How often the structured solve had to be repeated by another solver."""
-        return self._qp.second_opinions
+        return self._qp.second.asked
 
-    def observe(self, measurements: Sequence[Measurement], now: float) -> None:
-        """Take everything that the sensor sees at `now` [s]; what it leaves out has gone."""
+    def observe(
+        self, measurements: Sequence[Measurement], now: float, doubtful: Sequence[str] = ()
+    ) -> None:
+        """Take everything that the sensor sees at `now` [s]; what it leaves out has gone.
+
+        `doubtful` names obstacles whose measurement could not be used: they stay where they were.
+        """
         self._observed_at, self._stale = now, False
         for measurement in measurements:
-            if measurement.id not in self._obstacles:
-                self._obstacles[measurement.id] = self._new()
-            self._obstacles[measurement.id].observe(measurement, now)
-        for name in self._obstacles.keys() - {m.id for m in measurements}:
+            obstacle = self._obstacles.get(measurement.id)
+            if obstacle is None:
+                obstacle = VirtualObstacle(self.settings.margin, self.settings.reaction)
+                handed_over = self._handed_over.pop(measurement.id, None)
+                if handed_over is not None:
+                    obstacle.enter(handed_over, now)
+                self._obstacles[measurement.id] = obstacle
+            obstacle.observe(measurement, now)
+        for name in self._obstacles.keys() - {m.id for m in measurements} - set(doubtful):
             self._obstacles[name].vanish(now)
 
     def take_over(self, id: str, state: Array) -> None:  # noqa: A002 - as in the messages
-        """Start an obstacle that is inside from the motion in force (3, 3), not from the edge."""
-        obstacle = self._obstacles.get(id)
-        if obstacle is None or obstacle.outside or not np.isfinite(state).all():
-            return
-        measurement = obstacle.measurement
-        if measurement is not None:
-            now = self._observed_at or 0.0
-            obstacle.enter(state[0].copy(), now)
-            obstacle.state = state.copy()
-            obstacle.observe(measurement, now)
+        """Start an obstacle that is inside from the motion in force (3, 3), not from the edge.
+
+        Has no effect on an obstacle that this generator has planned already.
+        """
+        if np.isfinite(state).all():
+            self._handed_over[id] = state.copy()
 
     def reset(self) -> None:
         """Forget everything: time starts again."""
         self._obstacles.clear()
+        self._handed_over.clear()
         self._plan = None
         self._observed_at = None
+        self._stale = False
 
     def tick(self, time: float) -> MotionPlan:
         """Plan from `time` [s]."""
@@ -128,9 +137,6 @@ class ObstacleBounds:
         self._plan = MotionPlan(time, self.horizon.step, self.horizon.steps, tuple(planned))
         return self._plan
 
-    def _new(self) -> VirtualObstacle:
-        return VirtualObstacle(self.settings.margin, self.settings.reaction)
-
     def _watch_age(self, time: float) -> None:
         """Once the sensor is silent for too long, every obstacle may have come closer."""
         observed = self._observed_at
@@ -148,9 +154,8 @@ class ObstacleBounds:
         measurement = obstacle.measurement
         assert measurement is not None
         if not self.settings.smoothing:
-            state = np.zeros((3, 3))
-            state[0] = measurement.position
-            jerk, status = _STILL, MotionStatus.RAW
+            state, jerk = at_rest(measurement.position), _STILL
+            status = MotionStatus.RAW
         elif obstacle.outside:
             state, jerk, status = obstacle.state, _STILL, MotionStatus.RAW
         else:
@@ -203,6 +208,4 @@ class ObstacleBounds:
                 return state, old.jerk[done:], MotionStatus.HELD
         place = axes @ state[0]
         place[0] = min(place[0], raw[0].min())
-        rest = np.zeros((3, 3))
-        rest[0] = place @ axes
-        return rest, _STILL, MotionStatus.TIGHTENED
+        return at_rest(place @ axes), _STILL, MotionStatus.TIGHTENED

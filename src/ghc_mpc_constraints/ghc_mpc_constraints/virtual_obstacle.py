@@ -34,26 +34,23 @@ class VirtualObstacle:
 
     def observe(self, measurement: Measurement, now: float) -> None:
         """Take a measurement."""
-        fresh = self.measurement is None
         self.measurement = measurement
         self.seen = True
         self._edge = measurement.away(self._margin)
         self._leaving = measurement.distance >= measurement.safe_distance + self._margin
         target = self._edge if self._leaving else measurement.position
-        if (fresh or self.outside) and self._leaving:
+        if self.outside and self._leaving:
             self._rest_at(measurement.position)
-        elif fresh or self.outside:
-            self.enter(self._edge, now)
-            self.reference.move(target, measurement.normal, now, self._reaction)
-        else:
-            self.reference.move(target, measurement.normal, now, self._reaction)
+            return
+        if self.outside:
+            self.enter(at_rest(self._edge), now)
+        self.reference.move(target, measurement.normal, now, self._reaction)
 
-    def enter(self, point: Array, now: float) -> None:
-        """Put it at rest at a position (3,), from where it moves smoothly."""
+    def enter(self, state: Array, now: float) -> None:
+        """Bring it inside with a state (3, 3), from where it moves smoothly."""
         self.outside = False
-        self.state = np.zeros((3, 3))
-        self.state[0] = point
-        self.reference = ApproachQueue(point, now)
+        self.state = state
+        self.reference = ApproachQueue(state[0], now)
 
     def vanish(self, now: float) -> None:
         """It is not in the sensor's list any more."""
@@ -80,5 +77,11 @@ class VirtualObstacle:
 
     def _rest_at(self, point: Array) -> None:
         self.outside = True
-        self.state = np.zeros((3, 3))
-        self.state[0] = point
+        self.state = at_rest(point)
+
+
+def at_rest(point: Array) -> Array:
+    """State (3, 3) at a position (3,), without velocity and acceleration."""
+    state = np.zeros((3, 3))
+    state[0] = point
+    return state

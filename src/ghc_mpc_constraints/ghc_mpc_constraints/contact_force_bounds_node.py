@@ -1,0 +1,111 @@
+"""Contact force bounds behind ROS topics: schedules in, a plan of moving bounds out each tick.
+
+Publishes  constraints/contact_force_bounds (stamp = state of the tick, frame_id = its epoch),
+           /diagnostics.
+Subscribes joint_states (stamp and epoch only), constraints/contact_schedule (latched, one message
+           a contact), ghc/controller_state (bounds in force, before the first plan).
+Parameters see ForceBoundParameters.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from ghc_msgs.msg import ContactForceBounds as ContactForceBoundsMessage
+from ghc_msgs.msg import ContactSchedule
+from rclpy.task import Future
+
+from ghc_controller.errors import GhcError
+from ghc_controller.ros_conversions import NANOSECONDS
+from ghc_controller.run_node import run_node
+from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds
+from ghc_mpc_constraints.generator_node import GeneratorNode
+from ghc_mpc_constraints.parameters import ForceBoundParameters
+from ghc_mpc_constraints.ros_conversions import (
+    PLAN_QOS,
+    SCHEDULE_QOS,
+    bounds_in_force,
+    force_bounds_message,
+    schedule_from_message,
+)
+from ghc_mpc_constraints.schedule_inbox import ScheduleInbox
+
+NODE_NAME = "contact_force_bounds"
+
+
+class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
+    """Wires topics to the generator; no arithmetic here."""
+
+    def __init__(self, stop: Future) -> None:
+        """Read the parameters, compile, listen.
+
+        Raises:
+            GhcError: a parameter cannot be used.
+        """
+        super().__init__(NODE_NAME, ForceBoundParameters, stop)
+        self._generator = ContactForceBounds(self.parameters.settings())
+        self._inbox = ScheduleInbox(self.parameters.lockstep)
+        self._message = ContactForceBoundsMessage()
+        self._plans = self.node.create_publisher(
+            ContactForceBoundsMessage, "constraints/contact_force_bounds", PLAN_QOS
+        )
+        self.listen(
+            ContactSchedule, "constraints/contact_schedule", self._on_schedule, SCHEDULE_QOS
+        )
+        self.start()
+        horizon = self._generator.horizon
+        self.node.get_logger().info(
+            f"{horizon.steps} steps of {horizon.step:g} s, smoothing "
+            f"{'on' if self.parameters.smoothing else 'off'}: ready"
+        )
+
+    def plan(self, start_ns: int) -> None:
+        """Make the plan of a tick and publish it."""
+        now = start_ns / NANOSECONDS
+        for schedule in self._inbox.due(now):
+            self._generator.set_schedule(schedule, now)
+        self._message = force_bounds_message(self._generator.tick(now), start_ns, self.clock.epoch)
+        self._plans.publish(self._message)
+
+    def publish_again(self) -> None:
+        """Publish the last plan once more."""
+        self._plans.publish(self._message)
+
+    def reset(self) -> None:
+        """Forget plans: time starts again; schedules stay."""
+        self._generator.reset()
+
+    def take_over(self, controller_state: bytes) -> None:
+        """Start from the bounds in force."""
+        for contact, (lower, upper) in bounds_in_force(controller_state).items():
+            self._generator.take_over(contact, lower, upper)
+
+    def report(self) -> tuple[Mapping[str, int], int]:
+        """Counts, and how many of them are trouble."""
+        counts = self._generator.counts
+        trouble = counts["held"] + counts["tightened"] + counts["conflicts"]
+        return {**counts, "second_opinions": self._generator.second_opinions}, trouble
+
+    def _on_schedule(self, message: ContactSchedule) -> None:
+        self.after_first_state(partial(self._take_schedule, message))
+
+    def _take_schedule(self, message: ContactSchedule) -> None:
+        now = self.clock.now_ns / NANOSECONDS
+        running = self.clock.tick_ns > 0
+        try:
+            timed = schedule_from_message(message, self.parameters.contacts, now)
+            if self._inbox.put(timed, now, running):
+                self.look_again()
+        except GhcError as error:
+            self.reject("constraints/contact_schedule", str(error))
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    return run_node(NODE_NAME, ContactForceBoundsNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

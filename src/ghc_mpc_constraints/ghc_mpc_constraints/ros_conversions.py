@@ -1,0 +1,234 @@
+"""Between ROS messages and the generators' values: pure functions, both directions."""
+
+from __future__ import annotations
+
+import struct
+from array import array
+from collections.abc import Sequence
+
+import numpy as np
+from ghc_msgs.msg import (
+    ContactForceBounds,
+    ContactSchedule,
+    ControllerState,
+    ObstacleState,
+    ObstacleStateArray,
+)
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+
+from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.ros_conversions import (
+    NANOSECONDS,
+    nanoseconds_from_time,
+    time_from_nanoseconds,
+    time_from_seconds,
+)
+from ghc_controller.types import Array
+from ghc_mpc_constraints.bounds_plan import ForceBoundsPlan, PlanStatus
+from ghc_mpc_constraints.contact_schedule import ContactSchedule as Schedule
+from ghc_mpc_constraints.measurement import Measurement
+from ghc_mpc_constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
+from ghc_mpc_constraints.schedule_inbox import TimedSchedule
+
+# One message a contact: as many are kept for a generator that starts later.
+SCHEDULE_QOS = QoSProfile(
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+PLAN_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+SENSOR_PUBLISHER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+SENSOR_SUBSCRIBER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+def header_of(data: bytes) -> tuple[int, str]:
+    """Stamp [ns] and frame_id of a serialized message that begins with a header.
+
+    Raises:
+        InvalidValue: too short to be one.
+    """
+    try:
+        order = "<" if data[1] & 1 else ">"
+        seconds, nanoseconds, length = struct.unpack_from(order + "iII", data, 4)
+        frame = bytes(data[16 : 16 + max(length - 1, 0)]).decode()
+    except (IndexError, UnicodeDecodeError, struct.error) as error:
+        raise InvalidValue(f"no message with a header: {error}") from error
+    return seconds * NANOSECONDS + nanoseconds, frame
+
+
+def schedule_from_message(
+    message: ContactSchedule, known: Sequence[str], now: float
+) -> TimedSchedule:
+    """Schedule of a message; a zero stamp means that its times count from `now` [s].
+
+    Raises:
+        GhcError: see ContactSchedule.checked.
+    """
+    stamp = nanoseconds_from_time(message.header.stamp)
+    known_from = nanoseconds_from_time(message.known_from)
+    start = now if stamp == 0 else stamp / NANOSECONDS
+    times = start + np.array(message.times, dtype=np.float64)
+    schedule = Schedule.checked(
+        message.contact, times.tolist(), message.lower, message.upper, known
+    )
+    return TimedSchedule(schedule, known_from / NANOSECONDS if known_from else None)
+
+
+def schedule_message(schedule: Schedule, known_from: float = 0.0) -> ContactSchedule:
+    """Message of a schedule with absolute times; the stamp is a nanosecond, as good as zero."""
+    message = ContactSchedule(contact=schedule.contact)
+    message.header.stamp = time_from_nanoseconds(1)
+    message.known_from = time_from_seconds(known_from)
+    message.times = _doubles(schedule.times)
+    message.lower = _doubles(schedule.lower)
+    message.upper = _doubles(schedule.upper)
+    return message
+
+
+def force_bounds_message(plan: ForceBoundsPlan, start_ns: int, epoch: int) -> ContactForceBounds:
+    """Message of a plan that starts at a tick [ns]."""
+    steps = plan.lower.shape[1] - 1
+    message = ContactForceBounds(step=plan.step, points=steps + 1, interpolate=plan.smoothed)
+    message.header.stamp = time_from_nanoseconds(start_ns)
+    message.header.frame_id = str(epoch)
+    message.valid_until = time_from_nanoseconds(start_ns + round(steps * plan.step * NANOSECONDS))
+    message.contacts = list(plan.contacts)
+    message.lower = _doubles(plan.lower)
+    message.upper = _doubles(plan.upper)
+    message.in_contact = list(plan.in_contact)
+    message.conflict = list(plan.conflict)
+    message.status = [status.value for status in plan.status]
+    return message
+
+
+def force_bounds_from_message(message: ContactForceBounds) -> ForceBoundsPlan:
+    """Plan of a message.
+
+    Raises:
+        GhcError: sizes that do not fit together, entries that are not finite.
+    """
+    count, points = len(message.contacts), int(message.points)
+    for name in ("in_contact", "conflict", "status"):
+        if len(getattr(message, name)) != count:
+            raise WrongSize(f"contact_force_bounds, {name}", len(getattr(message, name)), count)
+    bounds = {}
+    for name in ("lower", "upper"):
+        values = np.array(getattr(message, name), dtype=np.float64)
+        if values.shape != (count * points,) or points < 2:
+            raise WrongSize(f"contact_force_bounds, {name}", len(values), f"{count} * {points}")
+        if not np.isfinite(values).all():
+            raise InvalidValue(f"contact_force_bounds, {name}: finite numbers expected")
+        bounds[name] = values.reshape(count, points)
+    return ForceBoundsPlan(
+        nanoseconds_from_time(message.header.stamp) / NANOSECONDS,
+        message.step,
+        tuple(message.contacts),
+        bounds["lower"],
+        bounds["upper"],
+        tuple(message.in_contact),
+        tuple(PlanStatus(int(value)) for value in message.status),
+        tuple(message.conflict),
+        message.interpolate,
+    )
+
+
+def measurement_from_message(message: ObstacleState) -> Measurement:
+    """Measurement of a raw obstacle; GhcError as in Measurement.checked."""
+    return Measurement.checked(
+        message.id,
+        message.protected_frame,
+        list(message.position),
+        list(message.normal),
+        message.distance,
+        message.safe_distance,
+    )
+
+
+def measurement_message(measurement: Measurement) -> ObstacleState:
+    """Message of a measurement."""
+    message = ObstacleState(id=measurement.id, protected_frame=measurement.frame)
+    message.position[:] = measurement.position
+    message.normal[:] = measurement.normal
+    message.distance = float(measurement.distance)
+    message.safe_distance = float(measurement.safe_distance)
+    return message
+
+
+def obstacle_motion_message(plan: MotionPlan, start_ns: int, epoch: int) -> ObstacleStateArray:
+    """Message of a plan that starts at a tick [ns]."""
+    message = ObstacleStateArray(step=plan.step)
+    message.header.stamp = time_from_nanoseconds(start_ns)
+    message.header.frame_id = str(epoch)
+    end = start_ns + round(plan.steps * plan.step * NANOSECONDS)
+    message.valid_until = time_from_nanoseconds(end)
+    for planned in plan.obstacles:
+        entry = ObstacleState(id=planned.id, protected_frame=planned.frame)
+        entry.safe_distance = float(planned.safe_distance)
+        entry.normal[:] = planned.normal
+        entry.position[:], entry.velocity[:], entry.acceleration[:] = planned.state
+        entry.jerk = _doubles(planned.jerk)
+        entry.status = planned.status.value
+        message.obstacles.append(entry)
+    return message
+
+
+def obstacle_motion_from_message(message: ObstacleStateArray) -> MotionPlan:
+    """Plan of a message.
+
+    Raises:
+        GhcError: sizes that do not fit, entries that are not finite.
+    """
+    start = nanoseconds_from_time(message.header.stamp)
+    length = nanoseconds_from_time(message.valid_until) - start
+    steps = round(length / NANOSECONDS / message.step) if message.step > 0.0 else 0
+    planned = []
+    for entry in message.obstacles:
+        jerk = np.array(entry.jerk, dtype=np.float64)
+        if len(jerk) % 3:
+            raise WrongSize(f"obstacle '{entry.id}', jerk", len(jerk), "a multiple of 3")
+        state = motion_state(entry)
+        if not (np.isfinite(jerk).all() and np.isfinite(state).all()):
+            raise InvalidValue(f"obstacle '{entry.id}': finite numbers expected")
+        planned.append(
+            PlannedObstacle(
+                entry.id,
+                entry.protected_frame,
+                entry.safe_distance,
+                np.array(entry.normal, dtype=np.float64),
+                state,
+                jerk.reshape(-1, 3),
+                MotionStatus(int(entry.status)),
+            )
+        )
+    return MotionPlan(start / NANOSECONDS, message.step, steps, tuple(planned))
+
+
+def motion_state(entry: ObstacleState) -> Array:
+    """(3, 3) rows: position, velocity, acceleration."""
+    rows = [entry.position, entry.velocity, entry.acceleration]
+    return np.array([list(row) for row in rows], dtype=np.float64)
+
+
+def bounds_in_force(data: bytes) -> dict[str, tuple[float, float]]:
+    """Contact -> (lower, upper) [N] of a serialized ControllerState: what was used last."""
+    message: ControllerState = deserialize_message(data, ControllerState)
+    return {
+        contact: (lower, upper)
+        for contact, lower, upper in zip(
+            message.bounded_contacts, message.contact_lower, message.contact_upper, strict=False
+        )
+    }
+
+
+def motion_in_force(data: bytes) -> dict[str, Array]:
+    """Obstacle -> state (3, 3) of a serialized ControllerState: what was used last."""
+    message: ControllerState = deserialize_message(data, ControllerState)
+    return {entry.id: motion_state(entry) for entry in message.obstacles}
+
+
+def _doubles(values: Array) -> array[float]:
+    """All entries, row by row, as the fastest type for a float64[] field."""
+    doubles = array("d")
+    doubles.frombytes(np.ascontiguousarray(values).tobytes())
+    return doubles

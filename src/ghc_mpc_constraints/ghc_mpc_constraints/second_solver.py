@@ -1,0 +1,26 @@
+"""The general solver that both generators ask where their structured solve gives up."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.qp import RESIDUAL_TOLERANCE, QpProblem, make_solver, residuals
+from ghc_controller.types import Array
+
+
+class SecondSolver:
+    """Solves a QP written out; believes an answer only if it meets its conditions."""
+
+    def __init__(self) -> None:
+        self._solver = make_solver("daqp")
+        self.asked = 0
+
+    def solve(self, problem: QpProblem) -> Array | None:
+        """The optimum; None when there is no answer that holds up."""
+        self.asked += 1
+        result = self._solver.solve(problem)
+        if not result.found:
+            return None
+        check = residuals(problem, result)
+        size = 1.0 + float(np.abs(result.x).max())
+        return result.x if max(check.primal, check.dual) <= RESIDUAL_TOLERANCE * size else None
