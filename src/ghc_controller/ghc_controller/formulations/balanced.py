@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded, unbounded_answer
+from ghc_controller.formulations.bounded_qp import solve_qp, unbounded_answer
 from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.kernels import (
     balanced_target,
-    inverse_factor,
-    priority_weights,
     weighted_system,
 )
 from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+from ghc_controller.formulations.qp_rows import Parametrization
+from ghc_controller.formulations.small_factors import inverse_factor
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped
 _LARGEST_SPREAD = 1e10  # [-] of the metric between the first and the last level
@@ -49,11 +49,15 @@ class BalancedGhc(Formulation):
         contacts = problem.contacts
         k = problem.alpha.shape[0]
         ratio = min(settings.metric_ratio, _LARGEST_SPREAD ** (1.0 / max(k - 1, 1)))
-        weights = priority_weights(problem.alpha, ratio)
         metric, _ = weighted_system(
-            reduced.jacobian, reduced.target, problem.starts, weights, _METRIC_FLOOR
+            reduced.jacobian,
+            reduced.target,
+            problem.starts,
+            problem.alpha,
+            ratio,
+            _METRIC_FLOOR,
         )
         rows = 0 if contacts is None else contacts.jacobian.shape[0]
         scale = 1.0 if contacts is None else float(1.0 / np.sqrt(contacts.force_weight))
         parametrization = Parametrization.whitened(target, inverse_factor(metric), rows, scale)
-        return solve_bounded(reduced, parametrization, self.solver, settings)
+        return solve_qp(reduced, parametrization, self.solver, settings)

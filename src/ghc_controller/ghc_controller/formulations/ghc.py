@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded, unbounded_answer
+from ghc_controller.formulations.bounded_qp import solve_bounded, solve_qp, unbounded_answer
 from ghc_controller.formulations.formulation import (
     Formulation,
     FormulationSettings,
@@ -13,6 +13,7 @@ from ghc_controller.formulations.formulation import (
 )
 from ghc_controller.formulations.kernels import ghc_factor, ghc_target
 from ghc_controller.formulations.problem import ControlProblem, ReducedProblem, reduce_contacts
+from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.types import Array
 
 
@@ -39,20 +40,27 @@ class CondensedGhc(Formulation):
             settings.projector.layer_damping,
         )
         unweighted = settings.torque_regularization is TorqueRegularization.NONE
-        if unweighted:
-            answer = unbounded_answer(reduced, x0)
-            if answer is not None:
-                return answer
-        factor = ghc_factor(reduced.jacobian, problem.starts, projectors, settings.regularization)
+        answer = unbounded_answer(reduced, x0) if unweighted else None
+        if answer is not None:
+            return answer
+        factor = ghc_factor(
+            reduced.jacobian,
+            problem.starts,
+            problem.alpha,
+            projectors,
+            settings.regularization,
+            settings.projector.layer_damping,
+        )
         contacts = problem.contacts
         rows = 0 if contacts is None else contacts.jacobian.shape[0]
         scale = 1.0
         if contacts is not None:
             scale = float(np.sqrt(settings.regularization / contacts.force_weight))
         parametrization = Parametrization.whitened(x0, factor, rows, scale)
-        if not unweighted:
-            parametrization = _with_torque_cost(reduced, parametrization, settings)
-        return solve_bounded(reduced, parametrization, self.solver, settings)
+        if unweighted:
+            return solve_qp(reduced, parametrization, self.solver, settings)
+        weighted = _with_torque_cost(reduced, parametrization, settings)
+        return solve_bounded(reduced, weighted, self.solver, settings)
 
 
 def torque_reference(reduced: ReducedProblem, settings: FormulationSettings) -> Array:

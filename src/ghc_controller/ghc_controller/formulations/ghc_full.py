@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded
+from ghc_controller.formulations.bounded_qp import solve_qp
 from ghc_controller.formulations.formulation import Formulation, Solution, TorqueRegularization
 from ghc_controller.formulations.ghc import torque_reference
 from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.hierarchy.projector import generalized_projectors
 
 
@@ -52,4 +53,4 @@ class FullGhc(Formulation):
         parametrization = Parametrization(
             np.zeros(d), acceleration_factor, np.zeros(contact_rows), force_factor
         )
-        return solve_bounded(reduced, parametrization, self.solver, settings, hessian, gradient)
+        return solve_qp(reduced, parametrization, self.solver, settings, hessian, gradient)

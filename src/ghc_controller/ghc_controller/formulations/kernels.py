@@ -1,4 +1,4 @@
-"""Compiled inner loops of the formulations: projected targets, metrics, bound checks.
+"""Compiled inner loops of the formulations: projected targets and metrics.
 
 Letters: J_i, b_i rows of task i; P_i its generalized projector; w the regularisation; k tasks,
 m rows, d (reduced) accelerations.
@@ -9,16 +9,16 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from ghc_controller.hierarchy.projector import Starts, projector
+from ghc_controller.formulations.small_factors import (
+    add_combination,
+    cholesky,
+    damped_factor,
+    divide_rows,
+    solve_factored,
+)
+from ghc_controller.hierarchy.directions import Starts, selected_values
+from ghc_controller.hierarchy.projector import write_projectors
 from ghc_controller.types import Array
-
-
-@njit(cache=True)
-def _damped_gram(rows: Array, w: float) -> Array:  # pragma: no cover
-    gram = rows @ rows.T
-    for r in range(gram.shape[0]):
-        gram[r, r] += w
-    return gram
 
 
 @njit(cache=True)
@@ -34,33 +34,56 @@ def ghc_target(
     """x0 = sum_i (J_i P_i)^T (J_i J_i^T + w I)^-1 b_i, (d,), and the projectors (k, d, d)."""
     k, d = alpha.shape[0], jacobian.shape[1]
     projectors = np.empty((k, d, d))
+    write_projectors(jacobian, starts, alpha, rank_tolerance, layer_damping, projectors)
     x0 = np.zeros(d)
     for i in range(k):
-        projector(jacobian, starts, alpha[i], rank_tolerance, layer_damping, projectors[i])
-        if starts[i + 1] > starts[i]:
-            rows = jacobian[starts[i] : starts[i + 1]]
-            scaled = np.linalg.solve(_damped_gram(rows, w), target[starts[i] : starts[i + 1]])
-            x0 += projectors[i] @ (rows.T @ scaled)
+        rows = jacobian[starts[i] : starts[i + 1]]
+        desired = target[starts[i] : starts[i + 1]]
+        alone = np.zeros(d)  # J_i^T (J_i J_i^T + w I)^-1 b_i
+        is_selection, values = selected_values(rows)
+        if is_selection:
+            add_combination(desired, rows, alone)
+            for c in range(d):
+                alone[c] /= values[c] * values[c] + w
+        else:
+            add_combination(solve_factored(damped_factor(rows, w), desired), rows, alone)
+        add_combination(alone, projectors[i], x0)
     return x0, projectors
 
 
 @njit(cache=True)
 def ghc_factor(
-    jacobian: Array, starts: Starts, projectors: Array, w: float
+    jacobian: Array,
+    starts: Starts,
+    alpha: Array,
+    projectors: Array,
+    w: float,
+    layer_damping: float,
 ) -> Array:  # pragma: no cover
     """Cholesky factor L (d, d) of G = sum P_i P_i - (J_i P_i)^T (J_i J_i^T + w I)^-1 (J_i P_i)."""
-    k, d = projectors.shape[0], jacobian.shape[1]
+    k, d = projectors.shape[0], projectors.shape[1]
     metric = np.zeros((d, d))
     for i in range(k):
-        metric += projectors[i] @ projectors[i]
-        if starts[i + 1] > starts[i]:
-            rows = jacobian[starts[i] : starts[i + 1]]
-            projected = rows @ projectors[i]
-            metric -= projected.T @ np.linalg.solve(_damped_gram(rows, w), projected)
-    metric = 0.5 * (metric + metric.T)
+        projection = projectors[i]
+        is_strict = layer_damping == 0.0
+        for j in range(k):
+            is_strict = is_strict and (alpha[i, j] == 0.0 or alpha[i, j] == 1.0)
+        rows = jacobian[starts[i] : starts[i + 1]]
+        is_selection, values = selected_values(rows)
+        if is_selection:  # P_i D P_i with the diagonal matrix D = I - J^T (J J^T + w I)^-1 J
+            left_over = w / (values * values + w)
+            if is_strict and np.min(left_over) == np.max(left_over):
+                metric += left_over[0] * projection
+            else:
+                metric += projection @ (left_over.reshape(d, 1) * projection)
+        else:
+            metric += projection if is_strict else projection @ projection  # P P = P if strict
+            projected = rows @ projection
+            divide_rows(damped_factor(rows, w), projected)
+            metric -= projected.T @ projected
     for r in range(d):
         metric[r, r] += 1e-15
-    return np.linalg.cholesky(metric)
+    return cholesky(metric)
 
 
 @njit(cache=True)
@@ -81,19 +104,24 @@ def balanced_target(
     x* stays bounded and continuous.
     """
     k, d = alpha.shape[0], jacobian.shape[1]
+    projectors = np.empty((k, d, d))
+    write_projectors(jacobian, starts, alpha, rank_tolerance, layer_damping, projectors)
     system = np.zeros((d, d))
     right = np.zeros(d)
-    projection = np.empty((d, d))
     for r in range(d):
         system[r, r] = w
     for i in range(k):
-        if alpha[i, i] >= 1.0 or starts[i + 1] == starts[i]:
+        if alpha[i, i] >= 1.0:
             continue  # removed: P_i J_i^T = 0
         rows = jacobian[starts[i] : starts[i + 1]]
-        projector(jacobian, starts, alpha[i], rank_tolerance, layer_damping, projection)
-        projected = projection @ np.ascontiguousarray(rows.T)
-        system += projected @ rows
-        right += projected @ target[starts[i] : starts[i + 1]]
+        pull = np.zeros(d)
+        add_combination(target[starts[i] : starts[i + 1]], rows, pull)
+        add_combination(pull, projectors[i], right)
+        is_selection, values = selected_values(rows)
+        if is_selection:
+            system += projectors[i] * (values * values)
+        else:
+            system += (rows @ projectors[i]).T @ rows
     inverse = np.linalg.inv(system)
     sigma = 1.0 / np.sqrt(np.sum(inverse * inverse))
     if sigma >= guard:
@@ -101,7 +129,7 @@ def balanced_target(
     normal = system.T @ system
     for r in range(d):
         normal[r, r] += guard * guard - sigma * sigma
-    return np.linalg.solve(normal, system.T @ right), sigma
+    return solve_factored(cholesky(normal), system.T @ right), sigma
 
 
 @njit(cache=True)
@@ -120,44 +148,26 @@ def priority_weights(alpha: Array, ratio: float) -> Array:  # pragma: no cover
 
 @njit(cache=True)
 def weighted_system(
-    jacobian: Array, target: Array, starts: Starts, weights: Array, damping: float
+    jacobian: Array, target: Array, starts: Starts, alpha: Array, ratio: float, damping: float
 ) -> tuple[Array, Array]:  # pragma: no cover
-    """H = sum_i weights_i J_i^T J_i + damping I, (d, d), and sum_i weights_i J_i^T b_i, (d,)."""
+    """H = sum_i gamma_i J_i^T J_i + damping I, (d, d), and sum_i gamma_i J_i^T b_i, (d,).
+
+    The weights gamma_i are `priority_weights` with this ratio.
+    """
     d = jacobian.shape[1]
+    weights = priority_weights(alpha, ratio)
     hessian = np.zeros((d, d))
     right = np.zeros(d)
     for r in range(d):
         hessian[r, r] = damping
     for i in range(weights.shape[0]):
-        if weights[i] > 0.0 and starts[i + 1] > starts[i]:
+        if weights[i] > 0.0:
             rows = jacobian[starts[i] : starts[i + 1]]
-            scaled = weights[i] * rows
-            hessian += scaled.T @ rows
-            right += scaled.T @ target[starts[i] : starts[i + 1]]
+            is_selection, values = selected_values(rows)
+            if is_selection:
+                for r in range(d):
+                    hessian[r, r] += weights[i] * values[r] * values[r]
+            else:
+                hessian += (weights[i] * rows).T @ rows
+            add_combination(weights[i] * target[starts[i] : starts[i + 1]], rows, right)
     return hessian, right
-
-
-@njit(cache=True)
-def inverse_factor(matrix: Array) -> Array:  # pragma: no cover
-    """F = L^-T (d, d) with matrix = L L^T, so that F F^T = matrix^-1."""
-    lower = np.linalg.cholesky(matrix)
-    return np.ascontiguousarray(np.linalg.solve(lower, np.eye(matrix.shape[0])).T)
-
-
-@njit(cache=True)
-def meets_boxes(
-    x: Array,
-    tau: Array,
-    lower: Array,
-    upper: Array,
-    tau_lower: Array,
-    tau_upper: Array,
-) -> bool:  # pragma: no cover
-    """True where accelerations and torques lie inside both boxes."""
-    for d in range(x.shape[0]):
-        if not (lower[d] <= x[d] <= upper[d]):
-            return False
-    for d in range(tau.shape[0]):  # noqa: SIM110 - compiled
-        if not (tau_lower[d] <= tau[d] <= tau_upper[d]):
-            return False
-    return True

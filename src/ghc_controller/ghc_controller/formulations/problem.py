@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ghc_controller.errors import InvalidValue, WrongSize
-from ghc_controller.hierarchy.projector import Starts
+from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.types import Array, Bounds
 
 
@@ -56,6 +56,11 @@ class ControlProblem:
     rows: AccelerationRows | None = None  # soft rows
     contacts: ContactRows | None = None
     unactuated: int = 0
+
+    def __post_init__(self) -> None:
+        """Take a writable copy of a read-only alpha: kernels are compiled for one kind."""
+        if not self.alpha.flags.writeable:
+            object.__setattr__(self, "alpha", self.alpha.copy())
 
     def check(self) -> None:
         """Raise WrongSize or InvalidValue where the parts do not fit together."""

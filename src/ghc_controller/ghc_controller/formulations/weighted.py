@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import Parametrization, solve_bounded
+from ghc_controller.formulations.bounded_qp import solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution
-from ghc_controller.formulations.kernels import inverse_factor, priority_weights, weighted_system
+from ghc_controller.formulations.kernels import weighted_system
 from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+from ghc_controller.formulations.qp_rows import Parametrization
+from ghc_controller.formulations.small_factors import inverse_factor
 
 
 class Weighted(Formulation):
@@ -22,9 +24,13 @@ class Weighted(Formulation):
         """See Formulation.solve."""
         settings = self.settings
         reduced = reduce_contacts(problem)
-        weights = priority_weights(problem.alpha, settings.weight_ratio)
         hessian, right = weighted_system(
-            reduced.jacobian, reduced.target, problem.starts, weights, settings.regularization
+            reduced.jacobian,
+            reduced.target,
+            problem.starts,
+            problem.alpha,
+            settings.weight_ratio,
+            settings.regularization,
         )
         factor = inverse_factor(hessian)
         target = factor @ (factor.T @ right)

@@ -6,11 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from ghc_controller.hierarchy.directions import (
+    Starts,
+    add_directions,
+    descending_order,
+    selected_values,
+    subtract_direction,
+)
 from ghc_controller.types import Array
-
-Starts = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,66 +26,56 @@ class ProjectorSettings:
 
 
 @njit(cache=True)
-def descending_order(alpha_row: Array) -> NDArray[np.int64]:  # pragma: no cover
-    """Task indices by descending priority over one task; ties keep their order."""
-    k = alpha_row.shape[0]
-    order = np.arange(k)
-    for a in range(1, k):
-        current = order[a]
-        b = a - 1
-        while b >= 0 and alpha_row[order[b]] < alpha_row[current]:
-            order[b + 1] = order[b]
-            b -= 1
-        order[b + 1] = current
-    return order
-
-
-@njit(cache=True)
-def exact_projector(
-    jacobian: Array, starts: Starts, alpha_row: Array, rank_tolerance: float, out: Array
+def exact_projectors(
+    jacobian: Array, starts: Starts, alpha: Array, rank_tolerance: float, out: Array
 ) -> None:  # pragma: no cover
-    """P_i = I - B^T A^{r,s} B (eq. 11) by two-pass Gram-Schmidt; writes the (n, n) `out`.
+    """P_i = I - B^T A^{r,s} B (eq. 11) by two-pass Gram-Schmidt; writes `out` (k, n, n).
 
-    Rows of tasks with alpha = 0 come last and enter with coefficient 0: they are not looked at.
+    Tasks with alpha = 0 come last and enter with coefficient 0: they are not looked at. The basis
+    of one task is continued for the next one as far as their tasks agree. A posture of all joints
+    completes the basis: its directions are all that is left, which needs no Gram-Schmidt.
     """
-    n = jacobian.shape[1]
-    out[:, :] = 0.0
-    for d in range(n):
-        out[d, d] = 1.0
+    k, n = alpha.shape[0], jacobian.shape[1]
+    dominance = np.zeros(k)
+    completes = np.zeros(k, dtype=np.bool_)
+    for i in range(k):
+        rows = jacobian[starts[i] : starts[i + 1]]
+        completes[i] = rows.shape[0] == n and selected_values(rows)[0]
+        for j in range(k):
+            dominance[j] += alpha[i, j]
     basis = np.empty((n, n))
-    rank = 0
-    for task in descending_order(alpha_row):
-        weight = alpha_row[task]
-        if weight <= 0.0 or rank >= n:
-            break
-        for row in range(starts[task], starts[task + 1]):
-            if rank >= n:
+    chain = np.empty(k, dtype=np.int64)  # tasks whose directions are in the basis
+    rank_after = np.zeros(k + 1, dtype=np.int64)  # of the first 0 .. k tasks of the chain
+    length = 0
+    for i in range(k):
+        order = descending_order(alpha[i], dominance)
+        above = 0
+        while above < k and alpha[i, order[above]] > 0.0:
+            above += 1
+            if completes[order[above - 1]]:
                 break
-            direction = basis[rank]
-            norm_before = 0.0
-            for d in range(n):
-                direction[d] = jacobian[row, d]
-                norm_before += direction[d] * direction[d]
-            norm_before = np.sqrt(norm_before)
-            for _ in range(2):  # the second pass removes the rounding of the first
-                for b in range(rank):
-                    dot = 0.0
-                    for d in range(n):
-                        dot += direction[d] * basis[b, d]
-                    for d in range(n):
-                        direction[d] -= dot * basis[b, d]
-            norm = 0.0
-            for d in range(n):
-                norm += direction[d] * direction[d]
-            norm = np.sqrt(norm)
-            if norm > rank_tolerance * norm_before and norm > 1e-12:
-                for d in range(n):
-                    direction[d] /= norm
-                for r in range(n):
-                    scaled = weight * direction[r]
-                    for c in range(n):
-                        out[r, c] -= scaled * direction[c]
-                rank += 1
+        shared = 0
+        while shared < min(length, above) and chain[shared] == order[shared]:
+            shared += 1
+        for position in range(shared, above):
+            task = order[position]
+            rank = rank_after[position]
+            if not completes[task]:
+                first, last = starts[task], starts[task + 1]
+                rank = add_directions(jacobian, first, last, rank_tolerance, basis, rank)
+            rank_after[position + 1] = rank
+            chain[position] = task
+            length = position + 1
+        rest = 0.0  # weight of the directions that are not in the basis
+        if above > 0 and completes[order[above - 1]]:
+            rest = alpha[i, order[above - 1]]
+        out[i] = 0.0
+        for d in range(n):
+            out[i, d, d] = 1.0 - rest
+        for position in range(above):
+            weight = alpha[i, order[position]] - rest
+            for b in range(rank_after[position], rank_after[position + 1]):
+                subtract_direction(weight, basis[b], out[i])
 
 
 @njit(cache=True)
@@ -97,7 +91,7 @@ def damped_projector(
     out[:, :] = 0.0
     for d in range(n):
         out[d, d] = 1.0
-    order = descending_order(alpha_row)
+    order = descending_order(alpha_row, alpha_row)
     k = alpha_row.shape[0]
     stacked = np.empty((jacobian.shape[0], n))
     rows = 0
@@ -117,31 +111,20 @@ def damped_projector(
 
 
 @njit(cache=True)
-def projector(
+def write_projectors(
     jacobian: Array,
     starts: Starts,
-    alpha_row: Array,
+    alpha: Array,
     rank_tolerance: float,
     damping: float,
     out: Array,
 ) -> None:  # pragma: no cover
-    """Generalized projector of one task by the form that the settings ask for."""
+    """Generalized projectors of all tasks, (k, n, n), by the form that the settings ask for."""
     if damping > 0.0:
-        damped_projector(jacobian, starts, alpha_row, damping, out)
+        for i in range(alpha.shape[0]):
+            damped_projector(jacobian, starts, alpha[i], damping, out[i])
     else:
-        exact_projector(jacobian, starts, alpha_row, rank_tolerance, out)
-
-
-@njit(cache=True)
-def _all_projectors(
-    jacobian: Array, starts: Starts, alpha: Array, rank_tolerance: float, damping: float
-) -> Array:  # pragma: no cover
-    k = alpha.shape[0]
-    n = jacobian.shape[1]
-    result = np.empty((k, n, n))
-    for i in range(k):
-        projector(jacobian, starts, alpha[i], rank_tolerance, damping, result[i])
-    return result
+        exact_projectors(jacobian, starts, alpha, rank_tolerance, out)
 
 
 def generalized_projectors(
@@ -162,13 +145,17 @@ def generalized_projectors(
         (k, n, n) symmetric projectors with eigenvalues in [0, 1].
     """
     settings = settings or ProjectorSettings()
-    return _all_projectors(
+    k, n = alpha.shape[0], jacobian.shape[1]
+    result = np.empty((k, n, n))
+    write_projectors(
         np.ascontiguousarray(jacobian, dtype=np.float64),
         np.asarray(starts, dtype=np.int64),
         np.ascontiguousarray(alpha, dtype=np.float64),
         settings.rank_tolerance,
         settings.layer_damping,
+        result,
     )
+    return result
 
 
 def smallest_singular_value(projectors: Array) -> float:

@@ -1,4 +1,4 @@
-"""A dense quadratic program in ProxSuite's letters, and what its solution must satisfy.
+"""A dense quadratic program in ProxSuite's letters, and its answer.
 
 min  1/2 x^T H x + g^T x   subject to   A x = b,   l <= C x <= u
 """
@@ -8,12 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-
 from ghc_controller.errors import WrongSize
 from ghc_controller.types import Array
-
-RESIDUAL_TOLERANCE = 1e-7  # [-] relative residual up to which an answer is believed
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,35 +62,3 @@ class QpResult:
     def found(self) -> bool:
         """True when the solver reports an optimum; `residuals` says whether it is one."""
         return self.status is QpStatus.SOLVED
-
-
-@dataclass(frozen=True, slots=True)
-class Residuals:
-    """KKT residuals of an answer (largest entry of each)."""
-
-    primal: float  # violation of the equalities and bounds
-    dual: float  # stationarity
-    complementarity: float  # multiplier times distance to its bound
-
-    def relative(self, result: QpResult) -> float:
-        """Primal and dual residual, the larger one, over the size of the answer."""
-        size = 1.0 + float(np.max(np.abs(result.x), initial=0.0))
-        return max(self.primal, self.dual) / size
-
-
-def residuals(problem: QpProblem, result: QpResult) -> Residuals:
-    """KKT residuals of `result`; not a word of the solver is trusted."""
-    rows = problem.C @ result.x
-    below, above = problem.l - rows, rows - problem.u
-    gap = problem.A @ result.x - problem.b
-    primal = max(
-        np.max(below, initial=0.0), np.max(above, initial=0.0), np.max(np.abs(gap), initial=0.0)
-    )
-    gradient = problem.H @ result.x + problem.g + problem.A.T @ result.y + problem.C.T @ result.z
-    slack = np.where(result.z > 0.0, -above, -below)
-    slack = np.where(result.z == 0.0, 0.0, slack)
-    return Residuals(
-        float(primal),
-        float(np.max(np.abs(gradient), initial=0.0)),
-        float(np.max(np.abs(result.z * slack), initial=0.0)),
-    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ghc_controller.qp.problem import RESIDUAL_TOLERANCE, QpProblem, QpResult, QpStatus, residuals
+from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus
+from ghc_controller.qp.residuals import Residuals, residuals
 from ghc_controller.qp.solver import QpSolver
 
 
@@ -17,10 +18,13 @@ class SecondOpinion(QpSolver):
 
     def solve(self, problem: QpProblem) -> QpResult:
         """See QpSolver.solve."""
+        return self.solve_checked(problem)[0]
+
+    def solve_checked(self, problem: QpProblem) -> tuple[QpResult, Residuals]:
+        """See QpSolver.solve_checked."""
         result = self._first.solve(problem)
-        if result.status is QpStatus.INFEASIBLE:
-            return result
-        if result.found and residuals(problem, result).relative(result) <= RESIDUAL_TOLERANCE:
-            return result
+        check = residuals(problem, result)
+        if result.status is QpStatus.INFEASIBLE or (result.found and check.small):
+            return result, check
         self.asked += 1
-        return self._second.solve(problem)
+        return self._second.solve_checked(problem)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ghc_controller.errors import UnknownName
 from ghc_controller.qp.problem import QpProblem, QpResult
+from ghc_controller.qp.residuals import Residuals, residuals
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,11 @@ class QpSolver(ABC):
     @abstractmethod
     def solve(self, problem: QpProblem) -> QpResult:
         """Solve; never raises for a problem without solution, `status` says so."""
+
+    def solve_checked(self, problem: QpProblem) -> tuple[QpResult, Residuals]:
+        """Solve, with the residuals of the answer."""
+        result = self.solve(problem)
+        return result, residuals(problem, result)
 
 
 def _proxqp(settings: SolverSettings) -> QpSolver:

@@ -1,0 +1,93 @@
+"""Compiled triangular factors: for the few rows of a task a plain loop beats a call of LAPACK."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from ghc_controller.hierarchy.directions import REORDERED_SUMS
+from ghc_controller.types import Array
+
+_SMALLEST_PIVOT = 1e-15  # a matrix singular to rounding gets a factor instead of an exception
+
+
+@njit(cache=True, fastmath=REORDERED_SUMS)
+def cholesky(matrix: Array) -> Array:  # pragma: no cover
+    """L (m, m), lower triangular, with L L^T = matrix; only its lower triangle is read."""
+    m = matrix.shape[0]
+    lower = np.zeros((m, m))
+    for r in range(m):
+        for c in range(r + 1):
+            value = matrix[r, c]
+            for e in range(c):
+                value -= lower[r, e] * lower[c, e]
+            lower[r, c] = value / lower[c, c] if c < r else np.sqrt(max(value, _SMALLEST_PIVOT))
+    return lower
+
+
+@njit(cache=True, fastmath=REORDERED_SUMS)
+def damped_factor(rows: Array, w: float) -> Array:  # pragma: no cover
+    """L (m, m), lower triangular, with L L^T = J J^T + w I for rows J (m, d)."""
+    m = rows.shape[0]
+    gram = np.zeros((m, m))
+    for r in range(m):
+        gram[r, r] = w
+        for c in range(r + 1):
+            for d in range(rows.shape[1]):
+                gram[r, c] += rows[r, d] * rows[c, d]
+    return cholesky(gram)
+
+
+@njit(cache=True)
+def divide_rows(lower: Array, rows: Array) -> None:  # pragma: no cover
+    """Overwrite rows (m, c) by L^-1 rows."""
+    for r in range(rows.shape[0]):
+        for p in range(r):
+            for c in range(rows.shape[1]):
+                rows[r, c] -= lower[r, p] * rows[p, c]
+        scale = 1.0 / lower[r, r]
+        for c in range(rows.shape[1]):
+            rows[r, c] *= scale
+
+
+@njit(cache=True)
+def solve_factored(lower: Array, right: Array) -> Array:  # pragma: no cover
+    """(L L^T)^-1 right, (m,)."""
+    m = right.shape[0]
+    x = right.copy()
+    for r in range(m):
+        for p in range(r):
+            x[r] -= lower[r, p] * x[p]
+        x[r] /= lower[r, r]
+    for r in range(m - 1, -1, -1):
+        for p in range(r + 1, m):
+            x[r] -= lower[p, r] * x[p]
+        x[r] /= lower[r, r]
+    return x
+
+
+@njit(cache=True)
+def add_combination(weights: Array, rows: Array, out: Array) -> None:  # pragma: no cover
+    """out (c,) += weights^T rows, of weights (m,) and rows (m, c)."""
+    for r in range(rows.shape[0]):
+        for c in range(rows.shape[1]):
+            out[c] += weights[r] * rows[r, c]
+
+
+@njit(cache=True)
+def inverse_factor(matrix: Array) -> Array:  # pragma: no cover
+    """F = L^-T (d, d) with matrix = L L^T, so that F F^T = matrix^-1."""
+    d = matrix.shape[0]
+    lower = cholesky(matrix)
+    inverse = np.zeros((d, d))
+    for r in range(d):  # forward substitution by rows; what lies right of the diagonal stays zero
+        row = inverse[r]
+        row[r] = 1.0
+        for p in range(r):
+            share, above = lower[r, p], inverse[p]
+            for c in range(p + 1):
+                row[c] -= share * above[c]
+        scale = 1.0 / lower[r, r]
+        for c in range(r + 1):
+            row[c] *= scale
+    return np.ascontiguousarray(inverse.T)
