@@ -18,6 +18,8 @@ from ghc_sim_bridge.metrics import jerk_steps
 Summary = Mapping[str, Any]
 Array = NDArray[np.float64]
 
+_SMALLEST_JERK = 10.0  # [rad/s^2] lower end of the logarithmic axis
+
 
 def jerk_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]]) -> Figure:
     """Integral of |jerk| over the phases, one curve a run (figure 5 of the GHC paper).
@@ -32,12 +34,13 @@ def jerk_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]]) -> Figure:
             where = _phase_axis(log.time, summary["phases"])
             ax.semilogy(
                 where[::20],
-                np.maximum(integral[::20], 1.0),
+                np.maximum(integral[::20], _SMALLEST_JERK),
                 color=colour(index),
                 label=f"{name}: {integral[-1]:.0f}",
             )
         summary = next(iter(runs.values()))[0]
         _mark_phase_axis(ax, summary)
+        ax.set_ylim(bottom=_SMALLEST_JERK)
         ax.set_ylabel("integral of |jerk|,\nsum of the joints [rad/s$^2$]")
         figure.legend(
             loc="outside right upper", title="run: at the end [rad/s$^2$]", title_fontsize=8
@@ -83,6 +86,7 @@ def nonstrict_comparison(analyses: Sequence[tuple[float, Analysis]]) -> Figure:
                 )
             ax.set_title(rf"$\alpha_{{12}}$ = {alpha:g}")
             ax.set_xlabel("time [s]")
+            ax.set_xlim(0.0, analysis.history.time[-1])
             ax.set_ylim(bottom=0.0)
             ax.legend(loc="upper right", title="error at the end", title_fontsize=8)
         np.atleast_1d(axes)[0].set_ylabel("task error [m]")

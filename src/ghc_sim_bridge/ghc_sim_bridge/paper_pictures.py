@@ -25,6 +25,7 @@ SWITCHING_RUNS = {
     "balanced_fast": "balanced, 0.005 s",
     "ghc": "ghc, 2 s",
     "balanced": "balanced, 2 s",
+    "balanced_exact": "balanced, 2 s,\nlayers not damped",
 }
 NONSTRICT_RUNS = {"nonstrict_0.2": 0.2, "nonstrict_0.5": 0.5, "nonstrict_0.8": 0.8}
 # run -> (figure of the run, name in the documentation)

@@ -144,6 +144,10 @@ class NodeProcesses:
                 node.send(signal.SIGKILL)
                 node.wait(time.monotonic() + 5.0)
 
+    def log_of(self, name: str) -> Path:
+        """Where the output of a node goes."""
+        return self._nodes[name].log
+
     def exit_codes(self) -> dict[str, int | None]:
         """Exit code per node."""
         return {name: node.exit_code for name, node in self._nodes.items()}
