@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ghc_controller.robot_config import RobotConfig, load_robot_config
+from ghc_controller.robots import find_robot
 from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.metrics import (
     LimitCheck,
@@ -86,6 +87,13 @@ def analyse(plan: RunPlan, log_file: Path, robot_file: Path) -> Analysis:
         end_speed=phase_end_speed(log.time, log.v, spans),
         violations=limit_violations(_checks(log, limits, robot)),
     )
+
+
+def analyse_folder(plan: RunPlan) -> Analysis:
+    """The figures of a run that has been made, from the files of its folder."""
+    changed = plan.folder / "robot.yaml"
+    robot = changed if changed.is_file() else find_robot(plan.scenario.robot)
+    return analyse(plan, plan.folder / "log.npz", robot)
 
 
 def _last_row(log: FullRateLog, end: float) -> int:

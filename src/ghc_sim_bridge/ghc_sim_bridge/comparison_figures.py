@@ -68,23 +68,22 @@ def rate_comparison(summaries: Mapping[str, Summary]) -> Figure:
         return figure
 
 
-def nonstrict_comparison(analyses: Sequence[tuple[float, Analysis]]) -> Figure:
-    """Errors of the two competing tasks under constant priorities (figure 11).
-
-    `analyses` are pairs of alpha_12 and the run with it.
-    """
+def variants_comparison(analyses: Mapping[str, Analysis]) -> Figure:
+    """Position errors of a scenario's variants side by side (figure 11), by their titles."""
     with styled():
         figure = new_figure(9.0, 3.6)
         axes = figure.subplots(1, len(analyses), sharey=True)
-        for ax, (alpha, analysis) in zip(np.atleast_1d(axes), analyses, strict=True):
-            for index, task in enumerate(analysis.history.tasks[:2]):
+        for ax, (title, analysis) in zip(np.atleast_1d(axes), analyses.items(), strict=True):
+            for index, task in enumerate(analysis.history.tasks):
+                if task.unit != "m":
+                    continue
                 ax.plot(
                     analysis.history.time,
                     task.error,
                     color=colour(index),
                     label=f"{task.name}: {task.error[-1]:.3f} m",
                 )
-            ax.set_title(rf"$\alpha_{{12}}$ = {alpha:g}")
+            ax.set_title(title)
             ax.set_xlabel("time [s]")
             ax.set_xlim(0.0, analysis.history.time[-1])
             ax.set_ylim(bottom=0.0)

@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from ghc_controller.errors import GhcError
-from ghc_sim_bridge.run_plan import MODES, RECORD_MODES, RunOptions, make_plan, parse_parameter
+from ghc_sim_bridge.interrupts import interruptible
+from ghc_sim_bridge.run_plan import (
+    MODES,
+    RECORD_MODES,
+    RunOptions,
+    RunPlan,
+    make_plan,
+    parse_parameter,
+)
 from ghc_sim_bridge.scenario import load_scenario, scenario_names
-
-_INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; 0 = all went well, 1 = the run failed, 2 = wrong arguments or files."""
     options = _parser().parse_args(arguments)
-    signal.signal(signal.SIGTERM, _interrupt)
-    try:
-        return _run(options)
-    except KeyboardInterrupt:
-        print("experiment: interrupted; all nodes were ended", file=sys.stderr)
-        return _INTERRUPTED
+    return interruptible("experiment", partial(_run, options))
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -47,20 +48,23 @@ def _run(options: argparse.Namespace) -> int:
     except GhcError as error:
         print(f"experiment: {error}", file=sys.stderr)
         return 2
+    done = [_report(plan) for plan in plans]
+    if len(plans) > 1 and all(done):
+        from ghc_sim_bridge.report import compare_variants
+
+        compare_variants(plans)
+    return int(not all(done))
+
+
+def _report(plan: RunPlan) -> bool:
+    """Make one run; whether it went well. Later runs do not depend on it."""
     from ghc_sim_bridge.report import run_and_report, went_well  # late: a wrong name needs no ROS
 
-    failed = False
-    for plan in plans:
-        try:
-            failed |= not went_well(run_and_report(plan))
-        except GhcError as error:
-            print(f"experiment: {error}", file=sys.stderr)
-            failed = True
-    return int(failed)
-
-
-def _interrupt(_number: int, _frame: object) -> None:
-    raise KeyboardInterrupt
+    try:
+        return went_well(run_and_report(plan))
+    except (GhcError, OSError) as error:
+        print(f"experiment: {error}", file=sys.stderr)
+        return False
 
 
 def _parser() -> argparse.ArgumentParser:

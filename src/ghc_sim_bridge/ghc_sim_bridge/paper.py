@@ -6,9 +6,11 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from ghc_controller.errors import GhcError
+from ghc_sim_bridge.interrupts import interruptible
 from ghc_sim_bridge.paper_document import PaperResult, write_document
 from ghc_sim_bridge.paper_runs import PAPER_RUNS, PaperRun, choose_runs
 
@@ -16,6 +18,10 @@ from ghc_sim_bridge.paper_runs import PAPER_RUNS, PaperRun, choose_runs
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; 0 = every run went well, 1 = at least one did not, 2 = wrong arguments."""
     options = _parser().parse_args(arguments)
+    return interruptible("paper", partial(_run_all, options))
+
+
+def _run_all(options: argparse.Namespace) -> int:
     try:
         chosen = () if options.document_only else choose_runs(options.only)
     except GhcError as error:

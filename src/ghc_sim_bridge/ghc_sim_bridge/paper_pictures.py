@@ -7,13 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Protocol
 
-from ghc_controller.robots import find_robot
-from ghc_sim_bridge.analysis import Analysis, analyse
+from ghc_sim_bridge.analysis import analyse_folder
 from ghc_sim_bridge.comparison_figures import (
     Summary,
     jerk_comparison,
-    nonstrict_comparison,
     rate_comparison,
+    variants_comparison,
 )
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.full_rate_log import FullRateLog
@@ -78,23 +77,16 @@ def write_pictures(results: Mapping[str, Result], folder: Path) -> frozenset[str
             rates["hqp, rate limit on"] = results["hqp_gated"].summary
         save_png(rate_comparison(rates), folder / "switching_rates.png")
         written |= {"switching_jerk.png", "switching_rates.png"}
-    weights = [
-        (alpha, _analysis(results[name]))
+    variants = {
+        rf"$\alpha_{{12}}$ = {alpha:g}": analyse_folder(results[name].plan)
         for name, alpha in NONSTRICT_RUNS.items()
         if name in results
-    ]
-    if weights:
-        save_png(nonstrict_comparison(weights), folder / "nonstrict.png")
+    }
+    if variants:
+        save_png(variants_comparison(variants), folder / "nonstrict.png")
         written.add("nonstrict.png")
     return frozenset(written)
 
 
 def _log(result: Result) -> Path:
     return result.plan.folder / "log.npz"
-
-
-def _analysis(result: Result) -> Analysis:
-    plan = result.plan
-    changed = plan.folder / "robot.yaml"
-    robot = changed if changed.is_file() else find_robot(plan.scenario.robot)
-    return analyse(plan, _log(result), robot)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ghc_sim_bridge.analysis import analyse
+from ghc_sim_bridge.analysis import analyse, analyse_folder
 from ghc_sim_bridge.claims import check_references
+from ghc_sim_bridge.comparison_figures import variants_comparison
 from ghc_sim_bridge.controller_series import ControllerSeries
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.figures import run_figures
@@ -63,6 +65,15 @@ def link_default(folder: Path) -> None:
                 link.symlink_to(Path(folder.name) / entry.name)
             except OSError:  # a file system without symbolic links
                 shutil.copy2(entry, link)
+
+
+def compare_variants(plans: Sequence[RunPlan]) -> None:
+    """One figure over all variants of a scenario that were run, beside their folders."""
+    ordered = sorted(plans, key=lambda plan: plan.scenario.variant)
+    analyses = {plan.scenario.variant: analyse_folder(plan) for plan in ordered}
+    path = plans[0].folder.parent / "variants.png"
+    save_png(variants_comparison(analyses), path)
+    print(f"all variants: {path}", flush=True)
 
 
 def went_well(summary: dict[str, Any]) -> bool:

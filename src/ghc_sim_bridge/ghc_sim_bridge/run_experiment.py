@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -45,7 +46,9 @@ _READ_BEFORE_START = {
     "viewer": (STATE_TOPIC,),
 }
 _MAY_END = ("viewer",)  # whoever watches may close the window
-_START_DEADLINE = 60.0  # [s] wall; the first start compiles the controller's kernels
+_START_DEADLINE = 180.0  # [s] wall; the first start compiles the controller's kernels
+_PATIENCE = 5.0  # [s] wall of waiting for a node before it is said
+_CONTROLLER_START = "a priority matrix from controller (it compiles its kernels once)"
 _ANSWER_DEADLINE = 10.0  # [s] wall
 _REPEAT_PERIOD = 1.0  # [s] wall between two copies of an unanswered transition
 _STALL_DEADLINE = 30.0  # [s] wall without a word from the controller
@@ -146,9 +149,7 @@ class _Driver:
             lambda: client.state_time is not None, "a joint state from sim_bridge", _START_DEADLINE
         )
         client.watch_states(False)
-        self._until(
-            lambda: client.controller_spoke, "a priority matrix from controller", _START_DEADLINE
-        )
+        self._until(lambda: client.controller_spoke, _CONTROLLER_START, _START_DEADLINE)
         client.stop_waiting_for_controller()
         for name in self._plan.parameters:
             for topic in _READ_BEFORE_START.get(name, ()):
@@ -223,11 +224,15 @@ class _Driver:
                 )
 
     def _until(self, condition: Callable[[], bool], what: str, seconds: float) -> None:
-        deadline = time.monotonic() + seconds
+        began, told = time.monotonic(), False
         while not condition():
             self._turn()
-            if time.monotonic() > deadline:
+            waited = time.monotonic() - began
+            if waited > seconds:
                 raise GhcError(f"{what} did not come within {seconds:g} s")
+            if waited > _PATIENCE and not told:
+                print(f"waiting for {what} ...", file=sys.stderr, flush=True)
+                told = True
 
     def _turn(self) -> None:
         self._executor.spin_once(timeout_sec=0.02)

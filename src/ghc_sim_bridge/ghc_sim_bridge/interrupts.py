@@ -1,0 +1,23 @@
+"""Ctrl-C and SIGTERM for commands that start processes: all is ended, one line, exit code 130."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable
+
+INTERRUPTED = 130
+
+
+def interruptible(name: str, command: Callable[[], int]) -> int:
+    """Exit code of a command; both signals unwind it, so that its processes are ended."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        return command()
+    except KeyboardInterrupt:
+        print(f"{name}: interrupted; all nodes were ended", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _interrupt(_number: int, _frame: object) -> None:
+    raise KeyboardInterrupt
