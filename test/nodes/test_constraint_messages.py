@@ -95,7 +95,8 @@ def test_obstacle_round_trip() -> None:
     again = obstacle_motion_from_message(
         deserialize_message(serialize_message(sent), ObstacleStateArray)
     )
-    assert (again.start, again.steps) == (pytest.approx(0.39), 50)
+    assert again.start == pytest.approx(0.39)
+    assert again.steps == 50
     for before, after in zip(plan.obstacles, again.obstacles, strict=True):
         assert np.array_equal(before.jerk, after.jerk)
         assert np.array_equal(before.state, after.state)

@@ -13,7 +13,7 @@ from ghc_controller.types import Array
 from ghc_mpc_constraints.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_mpc_constraints.contact_schedule import ContactSchedule, RawBounds, preview
 from ghc_mpc_constraints.force_bound_qp import ForceBoundQp, ForceBoundWeights
-from ghc_mpc_constraints.preview_model import Horizon
+from ghc_mpc_constraints.preview_model import STEP_TOLERANCE, Horizon
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class ContactForceBounds:
         for i, contact in enumerate(contacts):
             schedule = self._schedules[contact]
             raw = preview(schedule, time, self.horizon)
-            on.append(schedule.at(time)[1] > 0.0)
+            on.append(schedule.at(time + STEP_TOLERANCE * self.horizon.step)[1] > 0.0)
             conflict.append(raw.conflict)
             status.append(self._plan_contact(contact, time, raw, lower[i], upper[i]))
             self.counts["conflicts"] += raw.conflict

@@ -47,6 +47,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         super().__init__(NODE_NAME, ForceBoundParameters, stop)
         self._generator = ContactForceBounds(self.parameters.settings())
         self._inbox = ScheduleInbox(self.parameters.lockstep)
+        self._scheduled: set[str] = set()  # contacts with a schedule
         self._message = ContactForceBoundsMessage()
         self._plans = self.node.create_publisher(
             ContactForceBoundsMessage, "constraints/contact_force_bounds", PLAN_QOS
@@ -77,10 +78,12 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         """Forget plans: time starts again; schedules stay."""
         self._generator.reset()
 
-    def take_over(self, controller_state: bytes) -> None:
-        """Start from the bounds in force."""
-        for contact, (lower, upper) in bounds_in_force(controller_state).items():
+    def take_over(self, controller_state: bytes) -> bool:
+        """Start from the bounds in force; False while a contact of theirs has no schedule."""
+        in_force = bounds_in_force(controller_state)
+        for contact, (lower, upper) in in_force.items():
             self._generator.take_over(contact, lower, upper)
+        return in_force.keys() <= self._scheduled
 
     def report(self) -> tuple[Mapping[str, int], int]:
         """Counts, and how many of them are trouble."""
@@ -97,6 +100,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         try:
             timed = schedule_from_message(message, self.parameters.contacts, now)
             if self._inbox.put(timed, now, running):
+                self._scheduled.add(timed.schedule.contact)
                 self.look_again()
         except GhcError as error:
             self.reject("constraints/contact_schedule", str(error))

@@ -75,8 +75,11 @@ class GeneratorNode(ABC, Generic[P]):
         """Forget plans: time starts again."""
 
     @abstractmethod
-    def take_over(self, controller_state: bytes) -> None:
-        """Start from the bounds in force of a serialized ControllerState."""
+    def take_over(self, controller_state: bytes) -> bool:
+        """Start from the bounds in force of a serialized ControllerState.
+
+        False when inputs are missing without which there would be nothing to plan for them.
+        """
 
     @abstractmethod
     def report(self) -> tuple[Mapping[str, int], int]:
@@ -165,15 +168,14 @@ class GeneratorNode(ABC, Generic[P]):
         self.clock.planned(stamp_ns)
         self._held_back_ns = None
         self._started = True
+        self._in_force = None
         self._tick_time = max(self._tick_time, time.perf_counter() - begun)
 
     def _waits_to_take_over(self, start_ns: int) -> bool:
         """Before the first plan of a run under way: wait for the bounds in force, use them."""
         if self._started or start_ns == 0:
             return False
-        if self._in_force is not None:
-            self.take_over(self._in_force)
-            self._in_force = None
+        if self._in_force is not None and self.take_over(self._in_force):
             return False
         if self._waiting_since is None:
             self._waiting_since = time.monotonic()

@@ -108,8 +108,15 @@ class ObstacleBounds:
 
         Has no effect on an obstacle that this generator has planned already.
         """
-        if np.isfinite(state).all():
+        if not np.isfinite(state).all():
+            return
+        obstacle, now = self._obstacles.get(id), self._observed_at
+        if obstacle is None:
             self._handed_over[id] = state.copy()
+        elif self._plan is None and not obstacle.outside and now is not None:
+            obstacle.enter(state.copy(), now)
+            if obstacle.measurement is not None:
+                obstacle.observe(obstacle.measurement, now)
 
     def reset(self) -> None:
         """Forget everything: time starts again."""

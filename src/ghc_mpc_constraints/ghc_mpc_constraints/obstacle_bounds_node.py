@@ -81,10 +81,11 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
         self._generator.reset()
         self._sensed_ns = -1
 
-    def take_over(self, controller_state: bytes) -> None:
-        """Start from the motion in force."""
+    def take_over(self, controller_state: bytes) -> bool:
+        """Start from the motion in force; False while the sensor has said nothing."""
         for name, state in motion_in_force(controller_state).items():
             self._generator.take_over(name, state)
+        return self._sensed_ns >= 0
 
     def report(self) -> tuple[Mapping[str, int], int]:
         """Counts, and how many of them are trouble."""

@@ -1,0 +1,379 @@
+"""The generators as processes: a plan for every tick, repeats alike, bad input refused."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from ghc_msgs.msg import (
+    ContactForceBounds,
+    ContactSchedule,
+    ControllerState,
+    ObstacleState,
+    ObstacleStateArray,
+)
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from ghc_controller.ros_conversions import (
+    CONTROL_PUBLISHER_QOS,
+    STREAM_QOS,
+    nanoseconds_from_time,
+    time_from_seconds,
+)
+from ghc_mpc_constraints import contact_schedule
+from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds as Generator
+from ghc_mpc_constraints.contact_force_bounds import ForceBoundSettings
+from ghc_mpc_constraints.measurement import Measurement
+from ghc_mpc_constraints.ros_conversions import (
+    PLAN_QOS,
+    SCHEDULE_QOS,
+    SENSOR_PUBLISHER_QOS,
+    force_bounds_from_message,
+    measurement_message,
+    obstacle_motion_from_message,
+    schedule_message,
+)
+
+DEADLINE = 30.0  # [s] wall, for anything that must happen
+STEP = 0.01  # [s]
+
+
+class Surroundings:
+    """What a generator talks to: robot, planner, sensor and controller in one node."""
+
+    def __init__(self, context: Any) -> None:
+        self.node = Node("surroundings", context=context)
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self.node)
+        self.plans: list[Any] = []  # ContactForceBounds or ObstacleStateArray
+        self.diagnostics: dict[str, str] = {}
+        self.epoch = "0"
+        create, listen = self.node.create_publisher, self.node.create_subscription
+        self.states = create(JointState, "joint_states", CONTROL_PUBLISHER_QOS)
+        self.schedules = create(ContactSchedule, "constraints/contact_schedule", SCHEDULE_QOS)
+        self.sensor = create(ObstacleStateArray, "constraints/obstacles", SENSOR_PUBLISHER_QOS)
+        self.controller = create(ControllerState, "ghc/controller_state", STREAM_QOS)
+        keep = self.plans.append
+        listen(ContactForceBounds, "constraints/contact_force_bounds", keep, PLAN_QOS)
+        listen(ObstacleStateArray, "constraints/obstacle_motion", keep, PLAN_QOS)
+        listen(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.diagnostics = {pair.key: pair.value for pair in status.values}
+            self.diagnostics["summary"] = status.message
+
+    def until(
+        self, condition: Callable[[], bool], again: Callable[[], None] | None = None
+    ) -> None:
+        """Spin until `condition`, doing `again` every 0.1 s; fail after the deadline."""
+        deadline, due = time.monotonic() + DEADLINE, 0.0
+        while not condition():
+            assert time.monotonic() < deadline, "nothing came"
+            if again is not None and time.monotonic() > due:
+                again()
+                due = time.monotonic() + 0.1
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def spin(self, seconds: float) -> None:
+        """Let things happen for a while [s]."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def state(self, now: float) -> None:
+        """Publish one robot state."""
+        message = JointState(name=["joint"], position=[0.0], velocity=[0.0], effort=[0.0])
+        message.header.stamp = time_from_seconds(now)
+        message.header.frame_id = self.epoch
+        self.states.publish(message)
+
+    def tick(self, now: float, again: Callable[[], None] | None = None) -> Any:
+        """The plan for a state at a multiple of the step (repeated until it comes)."""
+        count = len(self.plans)
+        wanted = nanoseconds_from_time(time_from_seconds(now))
+
+        def publish() -> None:
+            if again is not None:
+                again()
+            self.state(now)
+
+        def answered() -> bool:
+            return any(
+                nanoseconds_from_time(plan.header.stamp) == wanted
+                and plan.header.frame_id == self.epoch
+                for plan in self.plans[count:]
+            )
+
+        self.until(answered, publish)
+        return self.plans[-1]
+
+    def schedule(self, times: list[float], upper: list[float], **change: Any) -> None:
+        """Publish a schedule of the contact `foot` with no smallest force."""
+        message = schedule_message(
+            contact_schedule.ContactSchedule.checked("foot", [0.0], [0.0], [1.0])
+        )
+        message.times, message.lower, message.upper = times, [0.0] * len(times), upper
+        for name, value in change.items():
+            setattr(message, name, value)
+        self.schedules.publish(message)
+
+    def sense(self, now: float, *distances: float) -> None:
+        """Publish obstacles box_0, box_1, ... ahead of a frame at the origin."""
+        message = ObstacleStateArray()
+        message.header.stamp = time_from_seconds(now)
+        message.obstacles = [
+            measurement_message(
+                Measurement.checked(f"box_{i}", "tool", [d, 0.0, 0.0], [-1.0, 0.0, 0.0], d, 0.4)
+            )
+            for i, d in enumerate(distances)
+        ]
+        self.sensor.publish(message)
+
+
+@pytest.fixture
+def world(ros_context: Any) -> Iterator[Surroundings]:
+    surroundings = Surroundings(ros_context)
+    yield surroundings
+    surroundings.node.destroy_node()
+
+
+@pytest.fixture
+def start(world: Surroundings, start_node: Callable[..., Any]) -> Callable[..., Any]:
+    """Start a generator with parameters and wait until it is connected."""
+
+    def start(executable: str, **parameters: Any) -> Any:
+        words = [w for n, v in parameters.items() for w in ("-p", f"{n}:={v}")]
+        node = start_node("ghc_mpc_constraints", executable, "--ros-args", *words)
+        node.wait_for_output("ready")
+        topic = world.schedules if executable == "contact_force_bounds" else world.sensor
+        world.until(
+            lambda: (
+                world.states.get_subscription_count() > 0
+                and topic.get_subscription_count() > 0
+                and world.controller.get_subscription_count() > 0
+                and world.node.count_publishers("constraints/contact_force_bounds")
+                + world.node.count_publishers("constraints/obstacle_motion")
+                > 0
+            )
+        )
+        return node
+
+    return start
+
+
+def _foot(times: list[float], upper: list[float]) -> contact_schedule.ContactSchedule:
+    return contact_schedule.ContactSchedule.checked("foot", times, [0.0] * len(times), upper)
+
+
+def test_a_plan_for_every_tick_equal_to_the_library(world: Surroundings, start: Any) -> None:
+    """40 ticks through a drop: bit for bit what the generator gives in this process."""
+    start("contact_force_bounds", horizon=0.5, lockstep="true")
+    assert world.tick(0.0).contacts == []
+    world.schedule([0.0, 0.3], [50.0, 0.0])
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    generator = Generator(ForceBoundSettings(horizon=0.5))
+    generator.set_schedule(_foot([1e-9, 0.3 + 1e-9], [50.0, 0.0]), 0.0)
+    for k in range(40):
+        plan = force_bounds_from_message(world.tick(k * STEP))
+        expected = generator.tick(k * STEP)
+        assert np.array_equal(plan.upper, expected.upper)
+        assert np.array_equal(plan.lower, expected.lower)
+        assert plan.in_contact == (k < 30,)
+        assert plan.valid_until == pytest.approx(k * STEP + 0.5)
+
+
+def test_a_repeated_state_gets_the_same_plan_and_others_none(
+    world: Surroundings, start: Any
+) -> None:
+    start("contact_force_bounds", horizon=0.5)
+    world.schedule([0.0, 0.3], [50.0, 20.0])
+    world.tick(0.0)
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    first = world.tick(0.01)
+    world.spin(0.3)
+    count = len(world.plans)
+    world.state(0.015)
+    world.spin(0.3)
+    assert len(world.plans) == count
+    assert world.tick(0.01) == first
+    world.state(0.037)  # the tick of 0.03 was missed: it is made up for
+    world.until(lambda: nanoseconds_from_time(world.plans[-1].header.stamp) == 30_000_000)
+    world.epoch = "1"  # the robot starts again
+    assert world.tick(0.0).upper[0] == 50.0
+
+
+BAD: list[tuple[dict[str, Any], str]] = [
+    ({"times": [0.0, 0.2, 0.1], "upper": [5.0] * 3}, "increasing times expected"),
+    ({"times": [0.0], "upper": [5.0], "contact": "hand"}, "unknown contact 'hand'; known: foot"),
+    ({"times": [0.0], "upper": [float("nan")]}, "upper[0] = nan given, a finite number expected"),
+    ({"times": [0.0], "upper": [-5.0]}, "upper[0] = -5 N given, 0 or more expected"),
+    ({"times": [], "upper": []}, "no times given, at least one expected"),
+    ({"times": [0.0, 1.0], "upper": [5.0]}, "upper: size 1 given, 2 expected"),
+    ({"times": [5.0], "upper": [5.0]}, "no known_from given, later than 0.11 s (now) expected"),
+]
+
+
+def test_bad_schedules_are_refused_and_the_plan_stays(world: Surroundings, start: Any) -> None:
+    """The reason in the log, a count in the diagnostics, the bounds as before."""
+    node = start("contact_force_bounds", horizon=0.5, lockstep="true", contacts="[foot]")
+    world.tick(0.0)
+    world.schedule([0.0], [37.0])
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    world.tick(0.05)
+    for number, (fields, reason) in enumerate(BAD):
+        world.spin(1.05)  # at most one warning a second
+        world.schedule(**fields)
+        node.wait_for_output(reason)
+        plan = world.tick(0.06 + number * STEP)
+        assert set(plan.upper) == {37.0}
+    name = "rejected_constraints/contact_schedule"
+    world.until(lambda: world.diagnostics.get(name) == str(len(BAD)))
+    assert f"{len(BAD)} refused" in world.diagnostics["summary"]
+
+
+def test_a_schedule_is_used_from_the_time_at_which_it_is_known(
+    world: Surroundings, start: Any
+) -> None:
+    """A surprise, scripted: sent at the start, looked at from 0.1 s on."""
+    start("contact_force_bounds", horizon=0.5, lockstep="true")
+    world.tick(0.0)
+    world.schedule([0.0], [40.0])
+    world.schedule([0.3], [10.0], known_from=time_from_seconds(0.1))
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    last = [world.tick(k * STEP).upper[-1] for k in range(12)]
+    assert last[:10] == [40.0] * 10
+    assert last[10:] == [10.0] * 2
+
+
+def test_a_restarted_generator_takes_over_from_the_bound_in_force(
+    world: Surroundings, start: Any
+) -> None:
+    """Killed at 0.2 s while the bound moves; the next one goes on where the controller is."""
+    node = start("contact_force_bounds", horizon=0.5)
+    world.schedule([0.0, 0.3], [50.0, 0.0])
+    world.until(lambda: world.tick(0.0).contacts == ["foot"])
+    for k in range(21):
+        plan = force_bounds_from_message(world.tick(k * STEP))
+    node.send(signal.SIGKILL)
+    node.wait()
+    start("contact_force_bounds", horizon=0.5, take_over_timeout=10.0)
+    lower, upper = plan.at(0.25)
+    in_force = ControllerState(bounded_contacts=["foot"])
+    in_force.contact_lower, in_force.contact_upper = [float(lower[0])], [float(upper[0])]
+    again = world.tick(0.25, lambda: world.controller.publish(in_force))
+    assert again.upper[0] == pytest.approx(upper[0], abs=1e-12)
+    assert 0.0 < again.upper[0] < 40.0
+
+
+def test_without_a_controller_it_starts_from_raw(world: Surroundings, start: Any) -> None:
+    start("contact_force_bounds", horizon=0.5, take_over_timeout=0.2)
+    world.schedule([0.0], [50.0])
+    world.until(lambda: world.tick(3.0).contacts == ["foot"])
+    assert world.plans[-1].upper[0] == 50.0
+
+
+@pytest.mark.parametrize("executor", ["events", "single"])
+def test_smoothing_off_passes_through(world: Surroundings, start: Any, executor: str) -> None:
+    start("contact_force_bounds", horizon=0.5, smoothing="false", executor=executor)
+    world.schedule([0.0, 0.05], [50.0, 5.0])
+    world.until(lambda: world.tick(0.0).contacts == ["foot"])
+    for k in range(10):
+        plan = world.tick(k * STEP)
+        assert not plan.interpolate
+        assert plan.upper[0] == (50.0 if k < 5 else 5.0)
+        assert plan.status[0] == ContactForceBounds.RAW
+
+
+def test_obstacles_from_sensor_to_motion(world: Surroundings, start: Any) -> None:
+    """One array a tick, empty ones too; ticks of the sensor wait for it; it comes and goes."""
+    start("obstacle_bounds", sensor_period=0.1, horizon=0.5, max_velocity=1.0)
+    world.state(0.0)
+    world.spin(0.3)
+    assert world.plans == []
+    assert world.tick(0.0, lambda: world.sense(0.0)).obstacles == []
+    for k in range(1, 10):
+        assert world.tick(k * STEP).obstacles == []
+    distances = []
+    for k in range(10, 160):
+        seen = [0.25] if k < 80 else []
+
+        def sense(now: float = k * STEP, seen: tuple[float, ...] = tuple(seen)) -> None:
+            world.sense(now, *seen)
+
+        plan = obstacle_motion_from_message(world.tick(k * STEP, None if k % 10 else sense))
+        distances.append(plan.obstacles[0].state[0, 0] if plan.obstacles else np.inf)
+    assert distances[0] == pytest.approx(0.45)
+    assert distances[35] <= 0.25 + 1e-8  # 0.3 s of reaction time at least
+    assert np.abs(np.diff(distances[:70])).max() < 0.03
+    assert distances[-1] == np.inf
+
+
+def test_a_bad_obstacle_is_left_out_with_a_reason(world: Surroundings, start: Any) -> None:
+    """Its neighbours go on; itself it stays where it was."""
+    node = start("obstacle_bounds", horizon=0.5)
+    world.until(lambda: len(world.tick(0.0).obstacles) == 2, lambda: world.sense(0.0, 0.3, 0.35))
+    message = ObstacleStateArray()
+    message.header.stamp = time_from_seconds(0.1)
+    bad = ObstacleState(id="box_0", protected_frame="tool", safe_distance=0.4, distance=0.3)
+    good = measurement_message(
+        Measurement.checked("box_1", "tool", [0.3, 0.0, 0.0], [-1.0, 0.0, 0.0], 0.3, 0.4)
+    )
+    message.obstacles = [bad, good]
+    world.sensor.publish(message)
+    node.wait_for_output("obstacle 'box_0': normal of length 0 given, 1 expected")
+    assert [o.id for o in world.tick(0.1).obstacles] == ["box_0", "box_1"]
+    world.until(lambda: world.diagnostics.get("rejected_constraints/obstacles") == "1")
+
+
+def test_a_restarted_generator_takes_over_the_motion_in_force(
+    world: Surroundings, start: Any
+) -> None:
+    start("obstacle_bounds", horizon=0.5, sensor_period=0.1)
+    entry = ObstacleState(id="box_0")
+    entry.position[:], entry.velocity[:] = [0.33, 0.0, 0.0], [-0.1, 0.0, 0.0]
+    in_force = ControllerState(obstacles=[entry])
+
+    def feed() -> None:
+        world.controller.publish(in_force)
+        world.sense(2.0, 0.25)
+
+    plan = world.tick(2.0, feed)
+    assert list(plan.obstacles[0].position) == pytest.approx([0.33, 0.0, 0.0])
+    assert list(plan.obstacles[0].velocity) == pytest.approx([-0.1, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("executable", "parameter", "reason"),
+    [
+        ("contact_force_bounds", "horizon:=0.015", "a multiple of the step (0.01 s)"),
+        ("contact_force_bounds", "upper_rate_weight:=0.0", "must be a finite number above 0"),
+        ("contact_force_bounds", "alpha:=0.1", "unknown parameter 'alpha'"),
+        ("obstacle_bounds", "max_velocity:=-1.0", "must be a finite number above 0"),
+    ],
+)
+def test_bad_parameters_end_the_node_with_one_line(
+    start_node: Callable[..., Any], executable: str, parameter: str, reason: str
+) -> None:
+    node = start_node("ghc_mpc_constraints", executable, "--ros-args", "-p", parameter)
+    assert node.wait(DEADLINE) == 2
+    assert reason in node.output
+    assert "Traceback" not in node.output
+
+
+@pytest.mark.parametrize("executable", ["contact_force_bounds", "obstacle_bounds"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_end_the_node_in_order(
+    start: Any, executable: str, number: signal.Signals
+) -> None:
+    node = start(executable)
+    node.send(number)
+    assert node.wait() == 0
+    assert "Traceback" not in node.output
