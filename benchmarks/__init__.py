@@ -1,0 +1,1 @@
+"""`make bench`: time per control step, and round trips per second over DDS."""

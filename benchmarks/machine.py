@@ -1,0 +1,45 @@
+"""What was measured on, without the names of machines, people or folders."""
+
+from __future__ import annotations
+
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+_PACKAGES = ("numpy", "numba", "pin", "daqp", "proxsuite", "mujoco-core", "icub-models")
+
+
+def machine_facts() -> dict[str, Any]:
+    """CPU, cores and versions."""
+    return {
+        "cpu": _cpu_model(),
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "versions": {name: found for name in _PACKAGES if (found := _version(name))},
+    }
+
+
+def load_average() -> float:
+    """Processes that were running or waiting over the last minute, this one among them."""
+    return round(os.getloadavg()[0], 2)
+
+
+def _cpu_model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or "unknown"
+    fields = dict(line.split(":", 1) for line in lines if ":" in line)
+    facts = {name.strip(): value.strip() for name, value in fields.items()}
+    numbers = [facts.get(name, "?") for name in ("cpu family", "model")]
+    return f"{facts.get('model name', 'unknown')} (family {numbers[0]}, model {numbers[1]})"
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""

@@ -1,0 +1,92 @@
+"""One session: measure, print, write."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks.document import FIGURE, write_document
+from benchmarks.figure import plot_step_times
+from benchmarks.goals import check_goals, ratios
+from benchmarks.loop_bench import run_loop_bench
+from benchmarks.machine import load_average, machine_facts
+from benchmarks.robots import Arm, BenchRobot, Humanoid
+from benchmarks.states import TORQUE_SHARE
+from benchmarks.step_bench import FULL, QUICK, REGIMES, run_step_bench
+from benchmarks.tables import REGIME_TITLES, goal_table, loop_table, robots_of, step_table
+from tools.workspace.layout import Layout
+
+_LOOP = (10.0, 3)  # [s] simulated per run, runs per executor
+_QUICK_LOOP = (1.0, 1)
+
+
+def run_session(options: argparse.Namespace, root: Path) -> dict[str, Any]:
+    """Measure what the options ask for and write it; the content of bench.json."""
+    effort = QUICK if options.quick else FULL
+    robots = _robots(options.robot, root) if options.only != "loop" else []
+    before = load_average()
+    step = list(run_step_bench(robots, effort, _tell))
+    duration, rounds = _QUICK_LOOP if options.quick else _LOOP
+    loop: list[dict[str, Any]] = []
+    if options.only != "step":
+        loop = list(run_loop_bench(options.output / "loop", duration, rounds, _tell))
+    results: dict[str, Any] = {
+        "machine": machine_facts(),
+        "load_average": {"before": before, "after": load_average()},
+        "settings": {
+            "quick": options.quick,
+            "steps": effort.steps,
+            "segment_length": effort.length,
+            "torque_share": TORQUE_SHARE,
+        },
+        "titles": {robot.name: robot.title for robot in robots},
+        "step": step,
+        "ratios": ratios(step),
+        "loop": loop,
+        "goals": check_goals(step, loop),
+    }
+    _print(results)
+    _write(results, options.output)
+    if options.write_docs:
+        docs = root / "docs"
+        plot_step_times(step, results["titles"], docs / "figures" / FIGURE)
+        write_document(results, docs)
+    return results
+
+
+def _robots(name: str | None, root: Path) -> Sequence[BenchRobot]:
+    robots: list[BenchRobot] = []
+    if name in (None, Arm.name):
+        robots.append(Arm())
+    if name in (None, Humanoid.name):
+        robots.append(Humanoid(Layout(root)))
+    return robots
+
+
+def _tell(text: str) -> None:
+    print(f"bench: {text}", file=sys.stderr, flush=True)
+
+
+def _print(results: dict[str, Any]) -> None:
+    step, loop = results["step"], results["loop"]
+    for robot in robots_of(step):
+        for regime in REGIMES:
+            print(f"\n{results['titles'][robot]}, {REGIME_TITLES[regime]}: median (p99) [us]\n")
+            print(step_table(step, robot, regime))
+    if loop:
+        print("\nClosed loop over DDS\n")
+        print(loop_table(loop))
+    print("\nGoals\n")
+    print(goal_table(results["goals"]))
+
+
+def _write(results: dict[str, Any], output: Path) -> None:
+    output.mkdir(parents=True, exist_ok=True)
+    (output / "bench.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    if results["step"]:
+        plot_step_times(results["step"], results["titles"], output / FIGURE)
+    print(f"\nwritten: {output / 'bench.json'}", file=sys.stderr)

@@ -1,0 +1,135 @@
+"""A controller whose steps are timed by part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from time import perf_counter, thread_time
+from typing import Any
+
+import numpy as np
+
+from benchmarks.states import DT, Segment, begin, constraints
+from ghc_controller.controller import Controller
+from ghc_controller.controller_settings import ControllerSettings
+from ghc_controller.report import StepStatus
+from ghc_controller.robot_config import RobotConfig
+from ghc_controller.types import Array, RobotState
+
+PARTS = {
+    "model": "Pinocchio, kinematics of the frames",
+    "rows": "task rows, references, priorities, bounds",
+    "target": "projectors, targets, metric, rows of the QP",
+    "qp": "solver, and the check of its answer",
+    "rest": "output gate, result",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """What is compared: a formulation with a solver."""
+
+    formulation: str
+    solver: str
+
+    @property
+    def title(self) -> str:
+        """As in tables: the default solver goes without saying."""
+        return self.formulation if self.solver == "daqp" else f"{self.formulation} ({self.solver})"
+
+
+class TimedController:
+    """One controller of one variant, and the times of its steps."""
+
+    def __init__(self, robot: RobotConfig, variant: Variant, bound: Array | None) -> None:
+        """`bound` (n,) [Nm] is the torque bound about gravity, None without one."""
+        self.variant = variant
+        self.controller = make_controller(robot, variant, bound)
+        self._spent = {"model": 0.0, "qp": 0.0}
+        for part, owner, name in (
+            ("model", self.controller.model, "update"),
+            ("qp", self.controller.formulation.solver, "solve_checked"),
+        ):
+            setattr(owner, name, self._timed(part, getattr(owner, name)))
+        self._samples: list[tuple[float, ...]] = []
+        self._cpu_times: list[float] = []
+        self._outcomes: list[tuple[bool, bool, int]] = []
+
+    def watch(self, segment: Segment) -> None:
+        """Step through a segment once, without timing, and note what happens in it."""
+        self._begin(segment)
+        for state in segment.states:
+            result = self.controller.step(state)
+            active = len(self.controller.report().active_constraints)
+            solved = result.status is StepStatus.SOLVED
+            self._outcomes.append((result.solution.qp_solved, solved, active))
+
+    def follow(self, segment: Segment) -> None:
+        """Time one step at each state of a segment."""
+        self._begin(segment)
+        for state in segment.states:
+            self._step(state)
+
+    def summary(self) -> dict[str, Any]:
+        """Times [us] of all that was followed, and what happened in all that was watched."""
+        table = np.array(self._samples) * 1e6
+        total = table[:, -1]
+        qp_share, solved_share, active = np.mean(np.array(self._outcomes, dtype=float), axis=0)
+        return {
+            "formulation": self.variant.formulation,
+            "solver": self.variant.solver,
+            "steps": len(total),
+            "median_us": _rounded(np.median(total)),
+            "p99_us": _rounded(np.percentile(total, 99.0)),
+            "mean_us": _rounded(np.mean(total)),
+            "cpu_median_us": _rounded(np.median(self._cpu_times) * 1e6),
+            "parts_us": {part: _rounded(np.median(table[:, i])) for i, part in enumerate(PARTS)},
+            "qp_share": _rounded(qp_share),
+            "solved_share": _rounded(solved_share),
+            "active_bounds": _rounded(active),
+        }
+
+    def _begin(self, segment: Segment) -> None:
+        begin(self.controller, segment.goals)
+        self.controller.observe(segment.states[0])
+
+    def _step(self, state: RobotState) -> None:
+        spent = self._spent
+        spent["model"] = spent["qp"] = 0.0
+        cpu_start, start = thread_time(), perf_counter()
+        result = self.controller.step(state)
+        total = perf_counter() - start
+        self._cpu_times.append(thread_time() - cpu_start)
+        rows = result.time_terms - spent["model"]
+        target = result.time_solve - spent["qp"]
+        rest = total - result.time_terms - result.time_solve
+        self._samples.append((spent["model"], rows, target, spent["qp"], rest, total))
+
+    def _timed(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(function)
+        def call(*arguments: Any) -> Any:
+            start = perf_counter()
+            result = function(*arguments)
+            self._spent[part] += perf_counter() - start
+            return result
+
+        return call
+
+
+def make_controller(robot: RobotConfig, variant: Variant, bound: Array | None) -> Controller:
+    """A warm controller without torque rate limit, as in the paper's experiments."""
+    settings = ControllerSettings(
+        formulation=variant.formulation,
+        solver=variant.solver,
+        control_dt=DT,
+        torque_rate_limit=0.0,
+    )
+    controller = Controller(robot, settings)
+    controller.constraints = constraints(robot, bound)
+    controller.warm_up()
+    return controller
+
+
+def _rounded(value: Any) -> float:
+    return round(float(value), 2)

@@ -1,0 +1,110 @@
+"""The benchmark runs, and its results have the parts that readers expect; no speed is judged."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks.document import write_document
+from benchmarks.goals import check_goals, ratios
+from benchmarks.loop_bench import EXECUTORS
+from benchmarks.run import main
+from benchmarks.step_bench import REGIMES, VARIANTS
+from benchmarks.tables import loop_table
+from benchmarks.timed_controller import PARTS
+
+pytestmark = pytest.mark.timeout(600)  # [s] it compiles what no other test does
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Output of a quick run on the robot that needs no further package."""
+    folder = tmp_path_factory.mktemp("bench")
+    arguments = ["--quick", "--only", "step", "--robot", "kuka_lwr", "--output", str(folder)]
+    assert main(arguments) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def results(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "bench.json").read_text(encoding="utf-8"))
+
+
+def test_every_case_is_measured_once(results: dict[str, Any]) -> None:
+    keys = ("tasks", "regime", "formulation", "solver")
+    cases = [tuple(row[key] for key in keys) for row in results["step"]]
+    expected = {
+        (tasks, regime, variant.formulation, variant.solver)
+        for tasks in range(1, 6)
+        for regime in REGIMES
+        for variant in VARIANTS
+    }
+    assert len(cases) == len(expected)
+    assert set(cases) == expected
+
+
+def test_the_regimes_are_what_they_are_called(results: dict[str, Any]) -> None:
+    for row in results["step"]:
+        if row["regime"] == "inactive":
+            assert row["active_bounds"] == 0.0
+            assert row["qp_share"] == (1.0 if row["formulation"] == "ghc_full" else 0.0)
+        else:
+            assert row["qp_share"] > 0.5
+            if row["solver"] == "daqp":  # exact: active to the last digit
+                assert row["active_bounds"] > 0.5
+        assert row["solved_share"] > 0.9
+
+
+def test_times_are_complete(results: dict[str, Any]) -> None:
+    for row in results["step"]:
+        assert row["steps"] == results["settings"]["steps"]
+        assert 0.0 < row["median_us"] <= row["p99_us"]
+        assert set(row["parts_us"]) == set(PARTS)
+        assert all(time >= 0.0 for time in row["parts_us"].values())
+
+
+def test_ratios_and_goals_follow_from_the_rows(results: dict[str, Any]) -> None:
+    assert results["ratios"] == ratios(results["step"])
+    assert len(results["ratios"]) == 5 * len(REGIMES) * 2  # two solvers
+    assert results["goals"] == check_goals(results["step"], [])
+    assert {goal["met"] for goal in results["goals"]} <= {True, False}
+
+
+def test_facts_name_no_machine_and_no_folder(folder: Path, results: dict[str, Any]) -> None:
+    text = (folder / "bench.json").read_text(encoding="utf-8")
+    assert set(results["machine"]) == {"cpu", "cores", "system", "python", "versions"}
+    assert Path("/etc/hostname").read_text(encoding="utf-8").strip() not in text
+    assert str(Path.home()) not in text
+    assert str(folder) not in text
+
+
+def test_the_document_is_made_from_the_results(results: dict[str, Any], tmp_path: Path) -> None:
+    loop = [
+        {
+            "executor": executor,
+            "steps_per_second": 1500.0,
+            "real_time_factor": 1.5,
+            "cycle_p50_us": 600.0,
+            "cycle_p99_us": 900.0,
+        }
+        for executor in EXECUTORS
+    ]
+    write_document(results | {"loop": loop}, tmp_path)
+    text = (tmp_path / "benchmarks.md").read_text(encoding="utf-8")
+    assert loop_table(loop) in text
+    assert all(goal["goal"] in text for goal in results["goals"])
+    assert "{" not in text  # nothing was left to be filled in
+
+
+def test_the_plot_is_a_small_file(folder: Path) -> None:
+    size = (folder / "step_time.png").stat().st_size
+    assert 5_000 < size < 150_000
+
+
+def test_wrong_options_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--only", "everything"])
+    assert "step" in capsys.readouterr().err
