@@ -17,7 +17,7 @@ from mcap.reader import make_reader
 
 from ghc_sim_bridge.full_rate_log import FullRateLog, Source
 
-pytestmark = pytest.mark.timeout(180)
+pytestmark = pytest.mark.timeout(400)
 
 DURATION = 1.3  # [s] simulated: two phases of 0.5 s and 0.3 s of transition
 SCENARIO: dict[str, Any] = {
