@@ -116,10 +116,10 @@ def contact_section(summaries: Summaries, pictures: Pictures) -> str:
 
 
 _CONTACT_REASONS = """As in the paper: after the switch the end effector moves to the plane and,
-once it touches, holds the desired normal force and its place within the plane (eq. 3), but for the
-peak of the impact. Why they differ: the size of that peak follows the softness of the contact and
-the speed of the approach, neither of which the paper states; our desired force is in the scenario
-file."""
+once it touches, holds the desired normal force and its place within the plane (eq. 3). Why they
+differ: the paper shows a peak of the force at the impact. Its size follows the softness of the
+contact and the speed of the approach, which the paper does not state; here the plane is met slowly
+and the force to be exerted rises from zero at the touch."""
 
 
 def nonstrict_section(summaries: Summaries, pictures: Pictures) -> str:

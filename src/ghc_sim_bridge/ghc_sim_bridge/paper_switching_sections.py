@@ -66,7 +66,7 @@ _TABLE_REASONS = """Why they differ from the paper's:
   target.
 - **`ghc` against `balanced`.** In `ghc` the second task does not know what the first one does, so
   its error at rest is not the smallest possible one where it cannot be reached (end effector in
-  2▷1▷3); `balanced` ends where `hqp` ends (design, section 3.2). In the paper's table GHC agrees
+  2▷1▷3); `balanced` ends where `hqp` ends. In the paper's table GHC agrees
   with HQP to the printed digits; how far apart they end depends on the targets.
 - **`weighted`** has no strict priorities: its first task keeps an error.
 - **HQP** is a baseline with a stated regularisation: damping 1e-2, rank tolerance 1e-4 of the
@@ -83,7 +83,7 @@ def _comparison(summaries: Summaries) -> str:
         order = ours["hierarchy"].split(" > ")
         a, b = ours["errors"][order[1]], reference["errors"][order[1]]
         small = a <= _SETTLED and b <= _SETTLED
-        change = "both below 1e-3" if small else f"{100.0 * (a - b) / b:+.2f} %"
+        change = "both below 1e-3" if small else f"{100.0 * (a - b) / b + 0.0:+.1f} %"
         parts.append(f"{_short(ours['hierarchy'])}: {change}")
     return (
         "Error of the second task, `balanced` against `hqp` (asked: within 3 % or 1e-3): "

@@ -25,7 +25,7 @@ def make_summary(
     exit_codes: Mapping[str, int | None],
     wall_seconds: float,
 ) -> dict[str, Any]:
-    """All that design section 2 asks for, and what the scenario adds."""
+    """The summary of a run; numbers have few digits, and null stands for none."""
     plan, log = analysis.plan, analysis.log
     sim_seconds = len(log.time) * log.control_dt
     rate_limit = analysis.limits.torque_rate
