@@ -7,12 +7,12 @@ import pytest
 from random_problems import random_alpha, random_problem, strict_alpha
 
 from ghc_controller.formulations import ControlProblem, make_formulation
-from ghc_controller.formulations.small_factors import cholesky, inverse_factor
 from ghc_controller.hierarchy import generalized_projectors
 from ghc_controller.hierarchy.directions import selected_values
 from ghc_controller.qp import QpProblem, make_solver, residuals
 from ghc_controller.qp.daqp_solver import DaqpSolver
 from ghc_controller.qp.solver import SolverSettings
+from ghc_controller.small_factors import cholesky, inverse_factor, invert
 from ghc_controller.types import Array
 
 
@@ -55,13 +55,17 @@ def test_selections_are_told_from_other_rows() -> None:
 
 @pytest.mark.parametrize("n", [1, 3, 7, 32])
 def test_factors(n: int) -> None:
-    """L L^T = A and F F^T = A^-1; a singular matrix gives a finite factor."""
+    """L L^T = A, F F^T = A^-1, and the inverse; a singular matrix is no exception."""
     root = np.random.default_rng(n).normal(size=(n, n))
     matrix = root @ root.T + 0.1 * np.eye(n)
     assert np.allclose(cholesky(matrix), np.linalg.cholesky(matrix), atol=1e-12)
     factor = inverse_factor(matrix)
     assert np.allclose(factor @ factor.T @ matrix, np.eye(n), atol=1e-9)
     assert np.isfinite(cholesky(np.zeros((n, n)))).all()
+    inverse = root.copy()
+    assert invert(inverse)
+    assert np.allclose(inverse @ root, np.eye(n), atol=1e-9)
+    assert not invert(np.zeros((n, n)))
 
 
 def test_daqp_from_the_last_active_set_gives_the_same_answer() -> None:

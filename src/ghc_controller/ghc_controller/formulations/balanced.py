@@ -12,7 +12,7 @@ from ghc_controller.formulations.kernels import (
 )
 from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
 from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.small_factors import inverse_factor
+from ghc_controller.small_factors import inverse_factor
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped
 _LARGEST_SPREAD = 1e10  # [-] of the metric between the first and the last level

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from ghc_controller.hierarchy.directions import REORDERED_SUMS
+from ghc_controller.small_factors import REORDERED_SUMS
 from ghc_controller.types import Array
 
 _SMALLEST_NORM = 1e-9
@@ -82,8 +82,10 @@ def box_rows(
     d, p = factor.shape
     a = matrix.shape[0]
     rows = np.empty((d + a, p))
-    rows[:d] = factor
-    rows[d:] = np.dot(matrix, factor)
+    of_torque = matrix @ factor
+    for r in range(d + a):
+        for c in range(p):
+            rows[r, c] = factor[r, c] if r < d else of_torque[r - d, c]
     low, high = np.empty(d + a), np.empty(d + a)
     for r in range(d):
         low[r] = lower[r] - x[r]

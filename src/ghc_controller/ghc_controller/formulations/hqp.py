@@ -10,8 +10,8 @@ from ghc_controller.formulations.bounded_qp import solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution, SolutionStatus
 from ghc_controller.formulations.problem import ControlProblem, ReducedProblem, reduce_contacts
 from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.small_factors import inverse_factor
 from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array, Bounds
 
 _KEEP_FEASIBLE = 1e-7  # [rad/s^2], [Nm] widening that keeps the answer of the level above

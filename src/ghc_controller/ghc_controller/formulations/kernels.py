@@ -9,15 +9,16 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from ghc_controller.formulations.small_factors import (
+from ghc_controller.hierarchy.directions import Starts, selected_values
+from ghc_controller.hierarchy.projector import write_projectors
+from ghc_controller.small_factors import (
     add_combination,
     cholesky,
     damped_factor,
     divide_rows,
+    invert,
     solve_factored,
 )
-from ghc_controller.hierarchy.directions import Starts, selected_values
-from ghc_controller.hierarchy.projector import write_projectors
 from ghc_controller.types import Array
 
 
@@ -122,8 +123,10 @@ def balanced_target(
             system += projectors[i] * (values * values)
         else:
             system += (rows @ projectors[i]).T @ rows
-    inverse = np.linalg.inv(system)
-    sigma = 1.0 / np.sqrt(np.sum(inverse * inverse))
+    inverse = system.copy()
+    sigma = 0.0
+    if invert(inverse):
+        sigma = 1.0 / np.sqrt(np.sum(inverse * inverse))
     if sigma >= guard:
         return inverse @ right, sigma
     normal = system.T @ system

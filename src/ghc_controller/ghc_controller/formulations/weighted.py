@@ -9,7 +9,7 @@ from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.kernels import weighted_system
 from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
 from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.small_factors import inverse_factor
+from ghc_controller.small_factors import inverse_factor
 
 
 class Weighted(Formulation):

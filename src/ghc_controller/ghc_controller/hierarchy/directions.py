@@ -6,12 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ghc_controller.small_factors import REORDERED_SUMS
 from ghc_controller.types import Array
 
 Starts = NDArray[np.int64]
-
-# Of numba's fast mathematics only what lets a sum be vectorised; NaN stays NaN.
-REORDERED_SUMS = {"reassoc", "contract", "nsz"}
 
 
 @njit(cache=True)
@@ -99,3 +97,11 @@ def subtract_direction(weight: float, direction: Array, out: Array) -> None:  # 
         scaled = weight * direction[r]
         for c in range(direction.shape[0]):
             out[r, c] -= scaled * direction[c]
+
+
+@njit(cache=True)
+def write_scaled_identity(scale: float, out: Array) -> None:  # pragma: no cover
+    """Write scale I to `out` (n, n)."""
+    for r in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            out[r, c] = scale if r == c else 0.0

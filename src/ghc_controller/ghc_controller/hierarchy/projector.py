@@ -13,7 +13,9 @@ from ghc_controller.hierarchy.directions import (
     descending_order,
     selected_values,
     subtract_direction,
+    write_scaled_identity,
 )
+from ghc_controller.small_factors import damped_factor, divide_rows
 from ghc_controller.types import Array
 
 
@@ -69,9 +71,7 @@ def exact_projectors(
         rest = 0.0  # weight of the directions that are not in the basis
         if above > 0 and completes[order[above - 1]]:
             rest = alpha[i, order[above - 1]]
-        out[i] = 0.0
-        for d in range(n):
-            out[i, d, d] = 1.0 - rest
+        write_scaled_identity(1.0 - rest, out[i])
         for position in range(above):
             weight = alpha[i, order[position]] - rest
             for b in range(rank_after[position], rank_after[position + 1]):
@@ -88,9 +88,7 @@ def damped_projector(
     form of eq. 11 in which the range projectors are continuous in q through rank changes.
     """
     n = jacobian.shape[1]
-    out[:, :] = 0.0
-    for d in range(n):
-        out[d, d] = 1.0
+    write_scaled_identity(1.0, out)
     order = descending_order(alpha_row, alpha_row)
     k = alpha_row.shape[0]
     stacked = np.empty((jacobian.shape[0], n))
@@ -98,16 +96,15 @@ def damped_projector(
     for level in range(k):
         task = order[level]
         for row in range(starts[task], starts[task + 1]):
-            stacked[rows] = jacobian[row]
+            for d in range(n):
+                stacked[rows, d] = jacobian[row, d]
             rows += 1
         following = alpha_row[order[level + 1]] if level + 1 < k else 0.0
         share = alpha_row[task] - following
         if share > 0.0 and rows > 0:
-            layer = stacked[:rows]
-            gram = layer @ layer.T
-            for d in range(rows):
-                gram[d, d] += damping * damping
-            out -= share * (layer.T @ np.linalg.solve(gram, layer))
+            layer = stacked[:rows].copy()
+            divide_rows(damped_factor(stacked[:rows], damping * damping), layer)
+            out -= share * (layer.T @ layer)
 
 
 @njit(cache=True)

@@ -1,12 +1,18 @@
-"""Compiled triangular factors: for the few rows of a task a plain loop beats a call of LAPACK."""
+"""Compiled linear algebra for the small matrices of a tick.
+
+A plain loop is as quick as a call of LAPACK there, quicker where a matrix has the few rows of a
+task; it takes seconds less to compile, and a singular matrix is no exception.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-from ghc_controller.hierarchy.directions import REORDERED_SUMS
 from ghc_controller.types import Array
+
+# Of numba's fast mathematics only what lets a sum be vectorised; NaN stays NaN.
+REORDERED_SUMS = {"reassoc", "contract", "nsz"}
 
 _SMALLEST_PIVOT = 1e-15  # a matrix singular to rounding gets a factor instead of an exception
 
@@ -91,3 +97,35 @@ def inverse_factor(matrix: Array) -> Array:  # pragma: no cover
         for c in range(r + 1):
             row[c] *= scale
     return np.ascontiguousarray(inverse.T)
+
+
+@njit(cache=True)
+def invert(matrix: Array) -> bool:  # pragma: no cover
+    """Overwrite a square matrix by its inverse (Gauss-Jordan, rows pivoted); False: singular."""
+    d = matrix.shape[0]
+    swapped = np.empty(d, dtype=np.int64)
+    for p in range(d):
+        best = p
+        for r in range(p + 1, d):
+            if abs(matrix[r, p]) > abs(matrix[best, p]):
+                best = r
+        if not abs(matrix[best, p]) > 0.0:
+            return False
+        swapped[p] = best
+        for c in range(d):
+            matrix[p, c], matrix[best, c] = matrix[best, c], matrix[p, c]
+        scale = 1.0 / matrix[p, p]
+        matrix[p, p] = 1.0
+        for c in range(d):
+            matrix[p, c] *= scale
+        for r in range(d):
+            if r != p:
+                share = matrix[r, p]
+                matrix[r, p] = 0.0
+                for c in range(d):
+                    matrix[r, c] -= share * matrix[p, c]
+    for p in range(d - 1, -1, -1):
+        for r in range(d):
+            other = swapped[p]
+            matrix[r, p], matrix[r, other] = matrix[r, other], matrix[r, p]
+    return True
