@@ -83,7 +83,7 @@ def _comparison(summaries: Summaries) -> str:
         order = ours["hierarchy"].split(" > ")
         a, b = ours["errors"][order[1]], reference["errors"][order[1]]
         small = a <= _SETTLED and b <= _SETTLED
-        change = "both below 1e-3" if small else f"{100.0 * (a - b) / b + 0.0:+.1f} %"
+        change = "both below 1e-3" if small else f"{round(100.0 * (a - b) / b, 1) + 0.0:+.1f} %"
         parts.append(f"{_short(ours['hierarchy'])}: {change}")
     return (
         "Error of the second task, `balanced` against `hqp` (asked: within 3 % or 1e-3): "
