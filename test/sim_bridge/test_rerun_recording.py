@@ -116,6 +116,16 @@ def test_alpha_lines_name_every_entry_once() -> None:
     assert names[2, 2] == "c off"
 
 
+def test_a_target_in_space_has_three_coordinates(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.yaml"
+    robot.write_text(
+        "tasks: [{name: all, kind: frame_position}, {name: some, kind: frame_position, "
+        "axes: [x, z]}, {name: mass, kind: center_of_mass, axes: [x, y, z]}, "
+        "{name: rest, kind: posture}]"
+    )
+    assert position_tasks(robot) == ("all", "mass")
+
+
 def test_files_that_cannot_be_read_are_one_clear_error(tmp_path: Path) -> None:
     other = tmp_path / "other.yaml"
     other.write_text("tasks: 3")

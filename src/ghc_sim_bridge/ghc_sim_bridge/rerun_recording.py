@@ -36,17 +36,22 @@ POSE_RATE = 50.0  # [Hz] of simulated time, for what moves in 3D
 PLOT_RATE = 250.0  # [Hz] of simulated time, for torques and their rates
 TARGET_RADIUS = 0.018  # [m]
 _POSITION_KINDS = ("frame_position", "frame_pose", "center_of_mass")
+_AXES = ["x", "y", "z"]
 
 
 def position_tasks(robot_file: Path) -> tuple[str, ...]:
-    """Tasks of a robot.yaml whose reference begins with a position in the world.
+    """Tasks of a robot.yaml whose reference begins with a position in the world, x, y and z.
 
     Raises:
         ConfigurationError: the file cannot be read as such.
     """
     try:
         tasks = yaml.safe_load(robot_file.read_text(encoding="utf-8"))["tasks"]
-        return tuple(task["name"] for task in tasks if task["kind"] in _POSITION_KINDS)
+        return tuple(
+            task["name"]
+            for task in tasks
+            if task["kind"] in _POSITION_KINDS and task.get("axes", _AXES) == _AXES
+        )
     except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
         raise ConfigurationError(f"robot file '{robot_file}': {error}") from error
 

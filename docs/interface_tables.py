@@ -1,0 +1,98 @@
+"""Tables of interfaces.md that are written from the sources: `python docs/interface_tables.py`.
+
+Between `<!-- table: parameters controller -->` or `<!-- table: message TaskState -->` and the next
+`<!-- end -->` stands what the dataclass or the .msg file says; a test compares the two.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ghc_controller.parameters import ControllerParameters
+from ghc_sim_bridge.parameters import BridgeParameters, RecorderParameters, ViewerParameters
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCUMENT = ROOT / "docs" / "interfaces.md"
+MESSAGES = ROOT / "src" / "ghc_msgs" / "msg"
+NODES: dict[str, type] = {
+    "controller": ControllerParameters,
+    "sim_bridge": BridgeParameters,
+    "recorder": RecorderParameters,
+    "viewer": ViewerParameters,
+}
+_TABLE = re.compile(r"(<!-- table: (\w+) (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+_FIELD = re.compile(
+    r"(?P<type>\S+)\s+(?P<name>\w+)(?:\s*=\s*(?P<value>\S+))?\s*(?:#\s*(?P<text>.*))?"
+)
+# What a check says of a value outside its domain -> the domain in a word.
+_RANGES = {
+    "must be a finite number above 0": "> 0",
+    "must be a finite number, 0 or more": "≥ 0",
+    "is needed": "required",
+}
+_TYPES = {str: "text", bool: "bool", float: "float", int: "int", tuple: "list of texts"}
+
+
+def parameter_table(kind: type) -> str:
+    """Name, type, default, range, unit and meaning of every field of a parameter dataclass."""
+    lines = ["| parameter | type | default | range | meaning |", "|---|---|---|---|---|"]
+    for entry in fields(kind):
+        default = entry.default
+        shown = "" if default in ("", ()) else f"`{str(default).lower()}`"
+        check = entry.metadata["check"]
+        meaning = _cell(entry.metadata["description"])
+        lines.append(
+            f"| `{entry.name}` | {_TYPES[type(default)]} | {shown} | {_range(default, check)} "
+            f"| {meaning} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def message_table(name: str) -> str:
+    """Field, type and comment of every line of a .msg file."""
+    lines = ["| field | type | meaning |", "|---|---|---|"]
+    for line in (MESSAGES / f"{name}.msg").read_text(encoding="utf-8").splitlines():
+        match = _FIELD.fullmatch(line.strip())
+        if not line.strip() or line.startswith("#") or match is None:
+            continue
+        value = f" = {match['value']}" if match["value"] else ""
+        text = _cell(match["text"] or "")
+        lines.append(f"| `{match['name']}{value}` | `{match['type']}` | {text} |")
+    return "\n".join(lines) + "\n"
+
+
+def rendered(text: str) -> str:
+    """The document with every table as the sources have it now."""
+
+    def table(match: re.Match[str]) -> str:
+        source, name = match[2], match[3]
+        content = parameter_table(NODES[name]) if source == "parameters" else message_table(name)
+        return f"{match[1]}\n{content}\n{match[4]}"
+
+    return _TABLE.sub(table, text)
+
+
+def tables(text: str) -> set[tuple[str, str]]:
+    """(source, name) of every table of the document."""
+    return {(match[2], match[3]) for match in _TABLE.finditer(text)}
+
+
+def _range(default: Any, check: Any) -> str:
+    outside: dict[type, Any] = {float: math.nan, str: "\0"}
+    if check is None or type(default) not in outside:
+        return ""
+    said = check(outside[type(default)]) or check("")
+    choices = said.removeprefix("must be one of: ")
+    return ", ".join(f"`{c}`" for c in choices.split(", ")) if choices != said else _RANGES[said]
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("<", "&lt;")
+
+
+if __name__ == "__main__":
+    DOCUMENT.write_text(rendered(DOCUMENT.read_text(encoding="utf-8")), encoding="utf-8")
