@@ -6,12 +6,11 @@ conflict relaxed in the order of the design: soft acceleration rows, torque rate
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
-from ghc_controller.formulations.box_kernels import box_answer, outside_by, torques_inside
+from ghc_controller.formulations.box_kernels import box_answer, is_outside, torques_inside
 from ghc_controller.formulations.formulation import FormulationSettings, Solution, SolutionStatus
 from ghc_controller.formulations.problem import ReducedProblem
 from ghc_controller.formulations.qp_rows import Parametrization, SoftQp, build_qp, soften
@@ -50,7 +49,9 @@ def solve_bounded(
 ) -> Solution:
     """Answer nearest to the optimum s = 0 that meets the bounds; no QP where that one does."""
     answer = unbounded_answer(reduced, parametrization.acceleration)
-    return answer or solve_qp(reduced, parametrization, solver, settings)
+    if answer is not None:
+        return answer
+    return solve_qp(reduced, parametrization, solver, settings)
 
 
 def solve_qp(
@@ -74,7 +75,7 @@ def solve_qp(
         softened = soften(qp, settings.slack_weight)
         answer = _accept(reduced, parametrization, qp, *solver.solve_checked(softened))
         if answer is not None:
-            return replace(answer, status=SolutionStatus.RELAXED, rate_gave_way=rate_gave_way)
+            return answer._replace(status=SolutionStatus.RELAXED, rate_gave_way=rate_gave_way)
     nothing = np.full(reduced.torque_offset.shape[0], np.nan)
     return Solution(
         np.full(source.bias.shape[0], np.nan), np.zeros(0), nothing, SolutionStatus.FAILED, True
@@ -103,24 +104,20 @@ def _accept(
     s = result.x[: parametrization.acceleration_factor.shape[1]]
     force, rows_slack = np.zeros(0), None
     if source.contacts is None:
-        x, tau, largest, excess = box_answer(
+        x, tau = box_answer(
             s,
             parametrization.acceleration,
             parametrization.acceleration_factor,
             reduced.torque_matrix,
             reduced.torque_offset,
-            source.acceleration.lower,
-            source.acceleration.upper,
         )
     else:
         y = parametrization.acceleration + parametrization.acceleration_factor @ s
         force = parametrization.force + parametrization.force_factor @ s
         x = reduced.accelerations(y)
         tau = reduced.torque_offset + reduced.torque_matrix @ y + reduced.torque_force @ force
-        largest, excess = outside_by(x, source.acceleration.lower, source.acceleration.upper)
     if source.rows is not None:
-        out = outside_by(source.rows.matrix @ x, source.rows.lower, source.rows.upper)
-        rows_slack = out[1] if out[0] > _SLACK_COUNTS else None
+        rows_slack = _excess(source.rows.matrix @ x, source.rows.lower, source.rows.upper)
     return Solution(
         x,
         force,
@@ -130,6 +127,13 @@ def _accept(
         check.primal,
         check.dual,
         result.iterations,
-        excess if largest > _SLACK_COUNTS else None,
+        _excess(x, source.acceleration.lower, source.acceleration.upper),
         rows_slack,
     )
+
+
+def _excess(value: Array, lower: Array, upper: Array) -> Array | None:
+    """How far `value` lies outside its bounds, (r,); None where it lies inside."""
+    if not is_outside(value, lower, upper, _SLACK_COUNTS):
+        return None
+    return np.maximum(np.maximum(lower - value, value - upper), 0.0)

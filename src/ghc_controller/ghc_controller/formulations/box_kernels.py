@@ -98,23 +98,20 @@ def box_rows(
 
 
 @njit(cache=True)
-def outside_by(
-    value: Array, lower: Array, upper: Array
-) -> tuple[float, Array]:  # pragma: no cover
-    """How far entries lie outside their bounds: the largest excess, and each of them (r,)."""
-    excess = np.empty(value.shape[0])
-    largest = 0.0
+def is_outside(
+    value: Array, lower: Array, upper: Array, tolerance: float
+) -> bool:  # pragma: no cover
+    """True where an entry lies outside its bounds by more than the tolerance."""
+    outside = False
     for r in range(value.shape[0]):
-        excess[r] = max(lower[r] - value[r], value[r] - upper[r], 0.0)
-        largest = max(largest, excess[r])
-    return largest, excess
+        outside = outside or max(lower[r] - value[r], value[r] - upper[r]) > tolerance
+    return outside
 
 
 @njit(cache=True)
 def box_answer(
-    s: Array, x: Array, factor: Array, matrix: Array, offset: Array, lower: Array, upper: Array
-) -> tuple[Array, Array, float, Array]:  # pragma: no cover
-    """Accelerations (d,), torques (a,), and by how far the accelerations leave their box."""
+    s: Array, x: Array, factor: Array, matrix: Array, offset: Array
+) -> tuple[Array, Array]:  # pragma: no cover
+    """Accelerations (d,) and torques (a,) of the variables s (p,)."""
     answer = affine(factor, s, x)
-    largest, excess = outside_by(answer, lower, upper)
-    return answer, affine(matrix, answer, offset), largest, excess
+    return answer, affine(matrix, answer, offset)

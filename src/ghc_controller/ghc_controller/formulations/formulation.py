@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,8 +56,7 @@ class SolutionStatus(Enum):
     FAILED = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
+class Solution(NamedTuple):
     """Accelerations, contact forces and torques of one control problem."""
 
     acceleration: Array  # (n,) x

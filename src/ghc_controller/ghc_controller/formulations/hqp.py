@@ -57,8 +57,7 @@ class Hqp(Formulation):
                 break  # rounding made the level above infeasible by a hair: keep its answer
             worst = max(worst, found.status, key=lambda status: status.value)
             first_slack = found if answer is None else answer
-            answer = replace(
-                found,
+            answer = found._replace(
                 qp_solved=found.qp_solved or (answer is not None and answer.qp_solved),
                 acceleration_slack=first_slack.acceleration_slack,
                 rows_slack=first_slack.rows_slack,
@@ -68,7 +67,7 @@ class Hqp(Formulation):
             null = null @ _null_space(local, settings.rank_tolerance)
         if answer is None:
             raise ValueError("hqp needs at least one active task")
-        return replace(answer, status=worst)
+        return answer._replace(status=worst)
 
 
 def levels(alpha: Array) -> list[list[int]]:
@@ -103,7 +102,7 @@ def _keep_feasible(reduced: ReducedProblem, found: Solution) -> ReducedProblem:
         acceleration=_containing(source.acceleration, found.acceleration),
         torque=_containing(source.torque, found.torque),
     )
-    return replace(reduced, source=widened)
+    return reduced._replace(source=widened)
 
 
 def _containing(bounds: Bounds, value: Array) -> Bounds:

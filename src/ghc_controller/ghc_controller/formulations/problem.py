@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -83,8 +84,7 @@ class ControlProblem:
             raise InvalidValue(f"starts end at row {self.starts[-1]}, the Jacobian has {m} rows")
 
 
-@dataclass(frozen=True, slots=True)
-class ReducedProblem:
+class ReducedProblem(NamedTuple):
     """The control problem in accelerations y that keep every contact: x = offset + basis y.
 
     Without contacts basis = I and offset = 0 and nothing is copied. d = number of y, c of forces.
@@ -100,7 +100,7 @@ class ReducedProblem:
     balance_matrix: Array  # (u, d) unactuated rows: balance_matrix y + balance_force f = rhs
     balance_force: Array  # (u, c)
     balance_target: Array  # (u,)
-    source: ControlProblem = field(repr=False)
+    source: ControlProblem
 
     def accelerations(self, y: Array) -> Array:
         """(n,) x of reduced accelerations y (d,)."""

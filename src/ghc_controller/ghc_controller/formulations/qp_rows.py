@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,7 @@ from ghc_controller.qp import QpProblem
 from ghc_controller.types import Array, Bounds
 
 
-@dataclass(frozen=True, slots=True)
-class Parametrization:
+class Parametrization(NamedTuple):
     """y = acceleration + acceleration_factor s, f = force + force_factor s; p entries in s."""
 
     acceleration: Array  # (d,)
@@ -38,8 +37,7 @@ class Parametrization:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class SoftQp:
+class SoftQp(NamedTuple):
     """A QP with normalised rows; rows before `hard_start` may give way."""
 
     problem: QpProblem

@@ -5,15 +5,14 @@ min  1/2 x^T H x + g^T x   subject to   A x = b,   l <= C x <= u
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from ghc_controller.errors import WrongSize
 from ghc_controller.types import Array
 
 
-@dataclass(frozen=True, slots=True)
-class QpProblem:
+class QpProblem(NamedTuple):
     """Data of one QP; n variables, e equalities, r inequality rows."""
 
     H: Array  # (n, n) symmetric, positive definite
@@ -48,8 +47,7 @@ class QpStatus(Enum):
     FAILED = "failed"
 
 
-@dataclass(frozen=True, slots=True)
-class QpResult:
+class QpResult(NamedTuple):
     """Answer of a solver; multipliers satisfy H x + g + A^T y + C^T z = 0."""
 
     x: Array  # (n,)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -14,8 +14,7 @@ from ghc_controller.types import Array
 RESIDUAL_TOLERANCE = 1e-7  # [-] relative residual up to which an answer is believed
 
 
-@dataclass(frozen=True, slots=True)
-class Residuals:
+class Residuals(NamedTuple):
     """KKT residuals of an answer (largest entry of each); NaN where the answer is not finite."""
 
     primal: float  # violation of the equalities and bounds
