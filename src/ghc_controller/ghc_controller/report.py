@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from ghc_controller.constraints import Slack
 from ghc_controller.formulations import Solution
@@ -19,8 +20,7 @@ class StepStatus(Enum):
     FALLBACK = 2
 
 
-@dataclass(frozen=True, slots=True)
-class StepResult:
+class StepResult(NamedTuple):
     """Answer to one robot state."""
 
     time: float  # [s] of the state

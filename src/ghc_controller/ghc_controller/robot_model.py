@@ -64,6 +64,7 @@ class RobotModel:
         self._frames = FrameTable(model, self._data)
         # Views taken once: fetching them from pin.Data costs more than the copy below.
         self._mass_matrix_view, self._bias_view = self._data.M, self._data.nle
+        self._momentum_view = self._data.Ag
         self._gravity_vector = np.array(model.gravity.linear)
         self._gravity: Array | None = None
         self._com_is_current = False
@@ -190,7 +191,7 @@ class RobotModel:
     def gravity(self) -> Array:
         """Torque that holds the robot still, the bias at v = 0: (n,) [Nm] or [N]."""
         if self._gravity is None:
-            self._gravity = -(self._gravity_vector @ self._data.Ag[:3])
+            self._gravity = _gravity_torque(self._momentum_view, self._gravity_vector)
         return self._gravity
 
     def center_of_mass(self) -> Array:
@@ -205,7 +206,7 @@ class RobotModel:
 
     def center_of_mass_jacobian(self) -> Array:
         """(3, n) fresh array: linear rows of the momentum matrix over the mass."""
-        return np.ascontiguousarray(self._data.Ag[:3]) / self.mass
+        return np.ascontiguousarray(self._momentum_view[:3]) / self.mass
 
     def center_of_mass_drift(self) -> Array:
         """dJ/dt v, (3,) [m/s^2]."""
@@ -267,3 +268,13 @@ def _copy_dynamics(mass: Array, bias: Array, mass_out: Array, bias_out: Array) -
         for j in range(i, bias.shape[0]):
             mass_out[i, j] = mass[i, j]
             mass_out[j, i] = mass[i, j]
+
+
+@numba.njit(cache=True)
+def _gravity_torque(momentum: Array, gravity: Array) -> Array:
+    """Minus the weight, by the linear rows of the momentum matrix (6, n); (n,)."""
+    torque = np.zeros(momentum.shape[1])
+    for j in range(torque.shape[0]):
+        for i in range(3):
+            torque[j] -= gravity[i] * momentum[i, j]
+    return torque
