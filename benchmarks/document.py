@@ -36,8 +36,9 @@ _CASES = """## What is compared
   three rows each, in strict order. iCub comes from the package `icub-models`, installed when the
   benchmark first runs.
 - **States.** Consecutive states, 1 ms apart, of a closed loop that runs to random goals, new ones
-  every {length} steps; {steps} timed steps for each figure. The formulations take turns segment by
-  segment in random order, so that what else the machine does hits all alike.
+  every {length} steps; {steps} timed steps for each figure. Formulations take turns every {length}
+  steps, numbers of tasks and regimes several times in all, in random order, so that what else the
+  machine does hits all alike.
 - **No bound active.** Joint position, velocity and torque limits are evaluated and none is
   reached. The condensed formulations then need no QP. `ghc_full` solves its QP all the same: it
   is the paper's eq. 13 as it stands.
@@ -85,12 +86,16 @@ def write_document(results: dict[str, Any], docs: Path) -> None:
 
 
 def _machine(results: dict[str, Any]) -> str:
-    facts, load = results["machine"], results["load_average"]
+    facts, load, pace = results["machine"], results["load_average"], results["pace"]
+    short = "**A short run: too few steps for figures to be quoted.** "
     versions = ", ".join(f"{name} {number}" for name, number in facts["versions"].items())
-    return (
+    return (short if results["settings"]["quick"] else "") + (
         f"Measured on {facts['cores']} cores of {facts['cpu']}, {facts['system']}, Python "
         f"{facts['python']}, {versions}. The machine is shared: load average {load['before']:g} "
-        f"before and {load['after']:g} at the end, of which this benchmark is about 1.\n"
+        f"before and {load['after']:g} at the end, of which this benchmark is about 1. A fixed "
+        f"loop of plain Python, timed in between, took {pace['best_us']:.0f} us at its fastest "
+        f"and {pace['median_us']:.0f} us in the median: that is the pace of the machine itself, whose "
+        "host is shared too.\n"
     )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.pace import Pace
 from ghc_controller.errors import GhcError
 from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.processes import NodeProcesses
@@ -24,12 +25,13 @@ _DEADLINE = 180.0  # [s] wall; the first start compiles the controller's kernels
 
 
 def run_loop_bench(
-    folder: Path, duration: float, rounds: int, tell: Callable[[str], None]
+    folder: Path, duration: float, rounds: int, pace: Pace, tell: Callable[[str], None]
 ) -> Iterator[dict[str, Any]]:
     """One row per executor from `rounds` runs of `duration` [s] simulated, in turns."""
     cycles: dict[str, list[np.ndarray]] = {executor: [] for executor in EXECUTORS}
     for number in range(rounds):
         for executor in EXECUTORS:
+            pace.take()
             tell(f"lockstep over DDS, executor {executor}, {number + 1} of {rounds}")
             cycles[executor].append(_cycle_times(folder / executor, executor, duration))
     for executor, runs in cycles.items():

@@ -14,13 +14,14 @@ from benchmarks.figure import plot_step_times
 from benchmarks.goals import check_goals, ratios
 from benchmarks.loop_bench import run_loop_bench
 from benchmarks.machine import load_average, machine_facts
+from benchmarks.pace import Pace
 from benchmarks.robots import Arm, BenchRobot, Humanoid
 from benchmarks.states import TORQUE_SHARE
 from benchmarks.step_bench import FULL, QUICK, REGIMES, run_step_bench
 from benchmarks.tables import REGIME_TITLES, goal_table, loop_table, robots_of, step_table
 from tools.workspace.layout import Layout
 
-_LOOP = (10.0, 3)  # [s] simulated per run, runs per executor
+_LOOP = (6.0, 5)  # [s] simulated per run, runs per executor
 _QUICK_LOOP = (1.0, 1)
 
 
@@ -28,15 +29,17 @@ def run_session(options: argparse.Namespace, root: Path) -> dict[str, Any]:
     """Measure what the options ask for and write it; the content of bench.json."""
     effort = QUICK if options.quick else FULL
     robots = _robots(options.robot, root) if options.only != "loop" else []
-    before = load_average()
-    step = list(run_step_bench(robots, effort, _tell))
+    before, pace = load_average(), Pace()
+    pace.take()
+    step = list(run_step_bench(robots, effort, pace, _tell))
     duration, rounds = _QUICK_LOOP if options.quick else _LOOP
     loop: list[dict[str, Any]] = []
     if options.only != "step":
-        loop = list(run_loop_bench(options.output / "loop", duration, rounds, _tell))
+        loop = list(run_loop_bench(options.output / "loop", duration, rounds, pace, _tell))
     results: dict[str, Any] = {
         "machine": machine_facts(),
         "load_average": {"before": before, "after": load_average()},
+        "pace": pace.summary(),
         "settings": {
             "quick": options.quick,
             "steps": effort.steps,
@@ -80,6 +83,8 @@ def _print(results: dict[str, Any]) -> None:
     if loop:
         print("\nClosed loop over DDS\n")
         print(loop_table(loop))
+    share = 100.0 * results["pace"]["share"]
+    print(f"\nA fixed piece of work ran at {share:.0f} % of the best speed seen meanwhile.")
     print("\nGoals\n")
     print(goal_table(results["goals"]))
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.pace import Pace
 from benchmarks.robots import BenchRobot
 from benchmarks.states import Segment, closed_loop, random_goals, torque_bound
 from benchmarks.timed_controller import TimedController, Variant, make_controller
-from ghc_controller.types import Array
 
 VARIANTS = (
     Variant("ghc_full", "daqp"),
@@ -40,56 +40,65 @@ class Effort:
         return self.segments * self.length * self.rounds
 
 
-FULL = Effort(segments=8, length=40, rounds=3)
+FULL = Effort(segments=8, length=30, rounds=8)
 QUICK = Effort(segments=2, length=10, rounds=1)
 
 
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One number of tasks in one regime: where all variants are timed."""
+
+    facts: dict[str, Any]
+    segments: Sequence[Segment]
+    timed: Sequence[TimedController]
+
+    def follow(self, rng: np.random.Generator) -> None:
+        """All variants, segment by segment in random order."""
+        for segment in self.segments:
+            for index in rng.permutation(len(self.timed)):
+                self.timed[index].follow(segment)
+
+
 def run_step_bench(
-    robots: Sequence[BenchRobot], effort: Effort, tell: Callable[[str], None]
+    robots: Sequence[BenchRobot], effort: Effort, pace: Pace, tell: Callable[[str], None]
 ) -> Iterator[dict[str, Any]]:
-    """One row per robot, number of tasks, regime and variant; `tell` hears of the progress."""
+    """One row per robot, number of tasks, regime and variant; `tell` hears of the progress.
+
+    The rounds go over all cases of a robot, so that a slow minute of the machine hits all alike.
+    """
     for robot in robots:
+        tell(f"{robot.title}: states in which to measure")
+        cases: list[Case] = []
         for count in range(1, robot.most_tasks + 1):
-            tell(f"{robot.title}, {count} task{'s' if count > 1 else ''}")
-            yield from _case(robot, count, effort)
+            cases += _cases(robot, count, effort)
+        rng = np.random.default_rng(0)
+        for number in range(effort.rounds):
+            tell(f"{robot.title}: round {number + 1} of {effort.rounds}")
+            for index in rng.permutation(len(cases)):
+                pace.take()
+                cases[index].follow(rng)
+        for case in cases:
+            for timed in case.timed:
+                yield case.facts | timed.summary()
 
 
-def _case(robot: BenchRobot, count: int, effort: Effort) -> Iterator[dict[str, Any]]:
+def _cases(robot: BenchRobot, count: int, effort: Effort) -> Iterator[Case]:
     config = robot.config(count)
     start = robot.start(config.model)
-    rng = np.random.default_rng(count)
-    goals = random_goals(config, start, rng, effort.segments)
+    goals = random_goals(config, start, np.random.default_rng(count), effort.segments)
     free = closed_loop(make_controller(config, _DRIVER, None), start, goals, effort.length)
     bound = torque_bound(make_controller(config, _DRIVER, None), free)
     bounded = closed_loop(make_controller(config, _DRIVER, bound), start, goals, effort.length)
-    rows = sum(task.size for task in config.tasks)
-    for regime, segments, limit in (("inactive", free, None), ("active", bounded, bound)):
-        for summary in _measure(robot, count, segments, limit, effort.rounds, rng):
-            yield {
-                "robot": robot.name,
-                "dof": config.model.nv,
-                "tasks": count,
-                "rows": rows,
-                "regime": regime,
-                **summary,
-            }
-
-
-def _measure(
-    robot: BenchRobot,
-    count: int,
-    segments: Sequence[Segment],
-    bound: Array | None,
-    rounds: int,
-    rng: np.random.Generator,
-) -> list[dict[str, Any]]:
-    """All variants, segment by segment in random order, so that noise hits all alike."""
-    timed = [TimedController(robot.config(count), variant, bound) for variant in VARIANTS]
-    for controller in timed:
-        for segment in segments:
-            controller.watch(segment)
-    for _ in range(rounds):
-        for segment in segments:
-            for index in rng.permutation(len(timed)):
-                timed[index].follow(segment)
-    return [controller.summary() for controller in timed]
+    for regime, segments, limit in zip(REGIMES, (free, bounded), (None, bound), strict=True):
+        timed = [TimedController(robot.config(count), variant, limit) for variant in VARIANTS]
+        for controller in timed:
+            for segment in segments:
+                controller.watch(segment)
+        facts = {
+            "robot": robot.name,
+            "dof": config.model.nv,
+            "tasks": count,
+            "rows": sum(task.size for task in config.tasks),
+            "regime": regime,
+        }
+        yield Case(facts, segments, timed)

@@ -192,6 +192,7 @@ def test_schema_holds_every_inner_message_once() -> None:
     assert sorted(inner) == [
         "MSG: builtin_interfaces/Time",
         "MSG: ghc_msgs/NamedCount",
+        "MSG: ghc_msgs/ObstacleState",
         "MSG: ghc_msgs/TaskState",
         "MSG: std_msgs/Header",
     ]
