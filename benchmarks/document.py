@@ -94,8 +94,8 @@ def _machine(results: dict[str, Any]) -> str:
         f"{facts['python']}, {versions}. The machine is shared: load average {load['before']:g} "
         f"before and {load['after']:g} at the end, of which this benchmark is about 1. A fixed "
         f"loop of plain Python, timed in between, took {pace['best_us']:.0f} us at its fastest "
-        f"and {pace['median_us']:.0f} us in the median: that is the pace of the machine itself, whose "
-        "host is shared too.\n"
+        f"and {pace['median_us']:.0f} us in the median: that is the pace of the machine itself, "
+        "whose host is shared too.\n"
     )
 
 

@@ -227,6 +227,27 @@ def test_repeat_of_the_target_changes_nothing(robot: Robot) -> None:
     assert not robot.matrices[-1].in_transition
 
 
+def test_repeat_during_its_ramp_is_not_done_early(robot: Robot) -> None:
+    """DONE comes once, when the ramp is over."""
+    robot.step()
+    count = len(robot.statuses)
+    again = {"hierarchy": "elbow > end_effector > posture", "duration": 0.01, "id": "same"}
+    robot.ask(**again)
+    robot.step()
+    robot.until(lambda: robot.statuses[-1].status == TransitionStatus.ACTIVE)
+    robot.ask(**again)
+    assert robot.statuses[-1].status == TransitionStatus.ACCEPTED
+    for _ in range(15):
+        robot.step()
+    robot.until(lambda: robot.statuses[-1].status == TransitionStatus.DONE)
+    assert [s.status for s in robot.statuses[count:]] == [
+        TransitionStatus.ACCEPTED,
+        TransitionStatus.ACTIVE,
+        TransitionStatus.ACCEPTED,
+        TransitionStatus.DONE,
+    ]
+
+
 BAD_STATES: list[tuple[str, Any, str]] = [
     ("position", [*HOME[:6], NAN], "joint_states.position"),
     ("velocity", [float("inf")] + [0.0] * 6, "joint_states.velocity"),

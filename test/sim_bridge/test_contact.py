@@ -130,7 +130,8 @@ def test_a_wrench_is_the_mean_over_the_control_period(tmp_path: Path) -> None:
 
 def falling_ball(folder: Path, mass: float, control_dt: float = 1e-3) -> Simulator:
     """A ball of 5 cm on a vertical slide, its lowest point on the floor at q = 0."""
-    (folder / "ball.urdf").write_text(f"""<robot name="ball">
+    (folder / "ball.urdf").write_text(
+        f"""<robot name="ball">
       <link name="rail"/>
       <joint name="height" type="prismatic">
         <parent link="rail"/><child link="ball"/>
@@ -141,15 +142,20 @@ def falling_ball(folder: Path, mass: float, control_dt: float = 1e-3) -> Simulat
         <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
       <joint name="centre_fixed" type="fixed"><parent link="ball"/><child link="centre"/></joint>
       <link name="centre"/>
-    </robot>""", encoding="utf-8")
+    </robot>""",
+        encoding="utf-8",
+    )
     (folder / "robot.yaml").write_text(
         "{name: ball, urdf: ball.urdf, floating_base: false, tasks: []}", encoding="utf-8"
     )
-    (folder / "ball.yaml").write_text("""
+    (folder / "ball.yaml").write_text(
+        """
       robot: ./robot.yaml
       start: {height: 0.0}
       surfaces: [{name: floor, kind: plane}]
       contacts: [{name: foot, frame: centre, radius: 0.05, friction: 0.0}]
       camera: {look_at: [0, 0, 0], distance: 1, azimuth: 0, elevation: 0}
-    """, encoding="utf-8")
+    """,
+        encoding="utf-8",
+    )
     return Simulator(folder / "ball.yaml", control_dt, 1e-3)

@@ -38,9 +38,7 @@ def test_a_moving_arm_comes_to_rest_within_a_second(simulator: Simulator) -> Non
 
 
 @pytest.mark.parametrize("rate", [1000.0, 300.0])  # [Nm/s]
-def test_it_comes_to_rest_under_a_torque_rate_limit_too(
-    simulator: Simulator, rate: float
-) -> None:
+def test_it_comes_to_rest_under_a_torque_rate_limit_too(simulator: Simulator, rate: float) -> None:
     """No joint faster than 0.5 rad/s after 1 s, no step of a torque beyond rate * dt."""
     rng = np.random.default_rng(12)
     step = rate * simulator.control_dt
@@ -49,8 +47,12 @@ def test_it_comes_to_rest_under_a_torque_rate_limit_too(
         for _ in range(1000):
             before = simulator.torque
             torque = hold_torque(
-                simulator.mass_matrix(), simulator.bias(), simulator.state().v,
-                simulator.torque_limit, before, step,
+                simulator.mass_matrix(),
+                simulator.bias(),
+                simulator.state().v,
+                simulator.torque_limit,
+                before,
+                step,
             )
             assert np.abs(torque - np.clip(before, *_limits(simulator))).max() <= step + 1e-12
             simulator.step(torque)

@@ -43,8 +43,9 @@ def test_kuka_lengths_are_the_published_ones() -> None:
     model = pinocchio.buildModelFromUrdf(str(find_robot("kuka_lwr").parent / "kuka_lwr.urdf"))
     data = model.createData()
     pinocchio.framesForwardKinematics(model, data, np.zeros(7))
-    heights = [data.oMf[model.getFrameId(n)].translation[2]
-               for n in ("link_2", "elbow", "link_6", "tool")]
+    heights = [
+        data.oMf[model.getFrameId(n)].translation[2] for n in ("link_2", "elbow", "link_6", "tool")
+    ]
     assert np.diff([0.0, *heights]) == pytest.approx([0.3105, 0.4, 0.39, 0.078])
     assert [data.oMi[k].translation[:2].tolist() for k in range(1, 8)] == [[0.0, 0.0]] * 7
 

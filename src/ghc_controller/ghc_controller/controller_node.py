@@ -85,6 +85,7 @@ class ControllerNode:
         self._command = JointState(name=list(self._controller.model.joint_names))
         self._state_period_ns = round(NANOSECONDS / p.state_rate)
         self._state_due_ns = 0
+        self._shown_matrix: tuple[bytes, bool, int] | None = None
         self._publish_and_listen(stop)
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
@@ -203,7 +204,11 @@ class ControllerNode:
                 controller.model.joint_names,
             )
         )
-        self._matrix.publish(matrix_message(controller.priorities, report.result.time))
+        priorities = controller.priorities
+        shown = (priorities.alpha.tobytes(), priorities.in_transition, self._gate.epoch)
+        if shown != self._shown_matrix:  # latched: who comes later gets the last one
+            self._shown_matrix = shown
+            self._matrix.publish(matrix_message(priorities, report.result.time))
 
     def _after_first_state(
         self,
@@ -222,21 +227,22 @@ class ControllerNode:
         try:
             transition = transition_from_message(message, controller.robot.task_names, now)
             self._check_start(transition.start, now)
-            scheduled = controller.add_transition(transition, now)
+            is_new = controller.add_transition(transition, now)
         except GhcError as error:
             self._status.publish(
                 status_message(TransitionStatus.REJECTED, now, None, message.id, str(error))
             )
             self._reject("ghc/priority_transition", str(error))
             return
-        if scheduled:
+        if is_new:
             self._gate.forget()  # the state in force is worked out again with it
-        else:
-            for status in (TransitionStatus.ACCEPTED, TransitionStatus.DONE):
-                self._status.publish(status_message(status, now, transition))
+            for event in controller.take_events():
+                self._status.publish(event_message(event))
             return
-        for event in controller.take_events():
-            self._status.publish(event_message(event))
+        # A repeat: its DONE follows at once only where the ramp is over.
+        self._status.publish(status_message(TransitionStatus.ACCEPTED, now, transition))
+        if controller.priorities.is_settled:
+            self._status.publish(status_message(TransitionStatus.DONE, now, transition))
 
     def _on_reference(self, message: TaskReference) -> None:
         now = self._now or 0.0

@@ -55,7 +55,9 @@ class ControllerParameters:
         False, "refuse references and transitions whose start has passed, for repeatable runs"
     )
     state_rate: float = parameter(
-        100.0, "[Hz] of the robot's time: controller_state, priority_matrix", positive
+        100.0,
+        "[Hz] of the robot's time: controller_state; priority_matrix while it changes",
+        positive,
     )
     wait_for_contacts: tuple[str, ...] = parameter(
         (), "contacts whose wrench of the same stamp a step waits for"

@@ -72,15 +72,20 @@ class Renderer:
         self._gpu = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_150.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._gpu)
 
-    def draw(self, q: ArrayLike, markers: Sequence[Marker] = (),
-             camera: Camera | None = None) -> Picture:
+    def draw(
+        self, q: ArrayLike, markers: Sequence[Marker] = (), camera: Camera | None = None
+    ) -> Picture:
         """Picture of the robot at posture q (n,) [rad], seen by the scene's camera or another."""
         self._data.qpos[:] = self._joints.to_simulator(np.array(q, dtype=float))
         mujoco.mj_forward(self._model, self._data)
         mujoco.mjv_updateScene(
-            self._model, self._data, self._option, None,
+            self._model,
+            self._data,
+            self._option,
+            None,
             self._camera if camera is None else _camera(camera),
-            mujoco.mjtCatBit.mjCAT_ALL.value, self._scene,
+            mujoco.mjtCatBit.mjCAT_ALL.value,
+            self._scene,
         )
         for marker in markers:
             self._add(marker)
@@ -98,8 +103,12 @@ class Renderer:
     def __enter__(self) -> Renderer:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self.close()
 
     def _add(self, marker: Marker) -> None:
@@ -140,7 +149,9 @@ def _camera(camera: Camera) -> mujoco.MjvCamera:
     view = mujoco.MjvCamera()
     view.lookat[:] = camera.look_at
     view.distance, view.azimuth, view.elevation = (
-        camera.distance, camera.azimuth, camera.elevation
+        camera.distance,
+        camera.azimuth,
+        camera.elevation,
     )
     return view
 

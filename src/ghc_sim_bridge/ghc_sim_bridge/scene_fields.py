@@ -36,8 +36,9 @@ def read_contact(fields: Fields) -> Contact:
     points = fields.value("points", [[0.0, 0.0, 0.0]])
     if not isinstance(points, list) or not points:
         raise fields.error("points", f"a list of points is expected, {points!r} given")
-    centres = Fields({str(k): point for k, point in enumerate(points)}, fields.file,
-                     f"{fields.where}.points")
+    centres = Fields(
+        {str(k): point for k, point in enumerate(points)}, fields.file, f"{fields.where}.points"
+    )
     contact = Contact(
         name=fields.text("name"),
         frame=fields.text("frame"),

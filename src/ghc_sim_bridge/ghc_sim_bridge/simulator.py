@@ -85,8 +85,9 @@ class Simulator:
         """The scene's start posture (n,) [rad]."""
         unknown = [name for name in self.scene.start if name not in self.joint_names]
         if unknown:
-            raise UnknownName(f"joint in 'start' of {self.scene.file}", unknown[0],
-                              self.joint_names)
+            raise UnknownName(
+                f"joint in 'start' of {self.scene.file}", unknown[0], self.joint_names
+            )
         return np.array([self.scene.start.get(name, 0.0) for name in self.joint_names])
 
     def reset(self, q: ArrayLike | None = None, v: ArrayLike | None = None) -> None:
@@ -185,8 +186,9 @@ class Simulator:
     def _checked(self, what: str, values: ArrayLike, largest: float = np.inf) -> Array:
         array = np.array(values, dtype=float)
         if array.shape != (len(self.joint_names),):
-            raise WrongSize(f"{what} of {', '.join(self.joint_names)}", array.shape,
-                            (len(self.joint_names),))
+            raise WrongSize(
+                f"{what} of {', '.join(self.joint_names)}", array.shape, (len(self.joint_names),)
+            )
         bad = ~(np.abs(array) < largest)
         if bad.any():
             k = int(np.argmax(bad))

@@ -78,12 +78,23 @@ class TransitionSchedule:
         return tuple(self._pending)
 
     def is_repeat(self, transition: Transition) -> bool:
-        """True for a request that changes nothing: the same target, due now, already in force."""
-        return (
-            not self._pending
-            and np.array_equal(transition.target.alpha, self.target.alpha)
-            and (self._running is None or transition.id == self._running.id)
+        """True for a request that changes nothing.
+
+        Such is the last scheduled one given again, the ramp under way, or the target in force.
+        """
+        if self._pending:
+            last = self._pending[-1]
+            return (transition.id, transition.start) == (last.id, last.start) and np.array_equal(
+                transition.target.alpha, last.target.alpha
+            )
+        return np.array_equal(transition.target.alpha, self.target.alpha) and (
+            self._running is None or transition.id == self._running.id
         )
+
+    @property
+    def is_settled(self) -> bool:
+        """True when the target is in force and nothing is scheduled."""
+        return self._running is None and not self._pending
 
     def check_solvable(self, transition: Transition) -> float:
         """Smallest singular value of [P_1 .. P_k] on the whole ramp.
