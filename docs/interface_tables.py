@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_controller.parameters import ControllerParameters
+from ghc_mpc_constraints.parameters import ForceBoundParameters, ObstacleParameters
 from ghc_sim_bridge.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -23,6 +24,8 @@ NODES: dict[str, type] = {
     "sim_bridge": BridgeParameters,
     "recorder": RecorderParameters,
     "viewer": ViewerParameters,
+    "contact_force_bounds": ForceBoundParameters,
+    "obstacle_bounds": ObstacleParameters,
 }
 _TABLE = re.compile(r"(<!-- table: (\w+) (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 _FIELD = re.compile(

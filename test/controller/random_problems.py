@@ -92,11 +92,16 @@ def _contact_rows(rng: np.random.Generator, n: int, contacts: int, bias: Array) 
         load += jacobian[3 * c : 3 * c + 3, :6].T @ np.array([0.0, 0.0, 40.0])
     bias[:6] = load
     matrix = np.vstack(pyramid)
+    factor = np.eye(3 * contacts) / np.sqrt(1e-3)
+    names = tuple(f"cone_{row}" for row in range(matrix.shape[0]))
     return ContactRows(
         jacobian,
         rng.normal(size=3 * contacts),
+        jacobian,
         matrix,
         np.full(matrix.shape[0], -np.inf),
         np.zeros(matrix.shape[0]),
-        force_weight=1e-3,
+        rng.normal(size=3 * contacts),
+        factor,
+        names,
     )

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from random_schedules import random_schedule, raw_at
 
+from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_controller.errors import InvalidValue
-from ghc_mpc_constraints.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds, ForceBoundSettings
 from ghc_mpc_constraints.contact_schedule import ContactSchedule
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ghc_controller.constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
 from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.types import Array
 from ghc_mpc_constraints.approach import ApproachQueue, ReactionTime
 from ghc_mpc_constraints.measurement import Measurement, frame_of
-from ghc_mpc_constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
 from ghc_mpc_constraints.motion_weights import dynamic_weights
 from ghc_mpc_constraints.obstacle_bounds import ObstacleBounds, ObstacleSettings
 

@@ -9,6 +9,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
 from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.plan_conversions import force_bounds_from_message, obstacle_motion_from_message
 from ghc_controller.ros_conversions import time_from_seconds
 from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds as Generator
 from ghc_mpc_constraints.contact_force_bounds import ForceBoundSettings
@@ -17,13 +18,11 @@ from ghc_mpc_constraints.measurement import Measurement
 from ghc_mpc_constraints.obstacle_bounds import ObstacleBounds, ObstacleSettings
 from ghc_mpc_constraints.ros_conversions import (
     bounds_in_force,
-    force_bounds_from_message,
     force_bounds_message,
     header_of,
     measurement_from_message,
     measurement_message,
     motion_in_force,
-    obstacle_motion_from_message,
     obstacle_motion_message,
     schedule_from_message,
     schedule_message,

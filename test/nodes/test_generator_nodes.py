@@ -21,6 +21,11 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from ghc_controller.plan_conversions import (
+    PLAN_QOS,
+    force_bounds_from_message,
+    obstacle_motion_from_message,
+)
 from ghc_controller.ros_conversions import (
     CONTROL_PUBLISHER_QOS,
     STREAM_QOS,
@@ -32,12 +37,9 @@ from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds as Gener
 from ghc_mpc_constraints.contact_force_bounds import ForceBoundSettings
 from ghc_mpc_constraints.measurement import Measurement
 from ghc_mpc_constraints.ros_conversions import (
-    PLAN_QOS,
     SCHEDULE_QOS,
     SENSOR_PUBLISHER_QOS,
-    force_bounds_from_message,
     measurement_message,
-    obstacle_motion_from_message,
     schedule_message,
 )
 

@@ -50,13 +50,13 @@ def test_every_node_and_every_message_on_a_topic_has_a_table() -> None:
 def _own_parts(message: str) -> set[str]:
     """Messages that a message is made of, in the documents so far."""
     text = (MESSAGES / f"{message}.msg").read_text(encoding="utf-8")
-    return set(re.findall(r"^(?:ghc_msgs/)?(Task\w+|NamedCount)\[\]", text, re.MULTILINE))
+    return set(re.findall(r"^(?:ghc_msgs/)?(Task\w+|NamedCount|ObstacleState)\[\]", text, re.MULTILINE))
 
 
 def test_every_executable_is_listed_and_exists() -> None:
     for package, executable, _ in rows("Executables"):
         assert find_executable(package, executable).is_file()
-    for package in ("ghc_controller", "ghc_sim_bridge"):
+    for package in ("ghc_controller", "ghc_sim_bridge", "ghc_mpc_constraints"):
         with pytest.raises(UnknownName) as error:
             find_executable(package, "")
         listed = {row[1] for row in rows("Executables") if row[0] == package}
@@ -71,6 +71,8 @@ def test_topics_and_services_are_those_of_running_nodes(
     start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", "scene:=kuka_lwr_plane")
     mirror = ("-p", "mirror_commands:=true")
     start_node("ghc_controller", "controller", "--ros-args", "-p", "robot:=kuka_lwr", *mirror)
+    for generator in ("contact_force_bounds", "obstacle_bounds"):
+        start_node("ghc_mpc_constraints", generator)
     node = Node("reader", context=ros_context)
     topics = {
         "/" + row[0].replace("<name>", "tool").lstrip("/"): (row[1], _qos(row[3]))

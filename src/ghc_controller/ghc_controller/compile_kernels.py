@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ghc_controller.config import Fields
+from ghc_controller.contacts import Contact
 from ghc_controller.controller import Controller
 from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import FORMULATIONS
@@ -17,6 +18,10 @@ from ghc_controller.robots import find_robot, list_robots
 from ghc_controller.tasks.registry import make_task
 
 _GAINS: dict[str, object] = {"stiffness": 30.0, "damping": 20.0}
+_CONTACTS: tuple[dict[str, object], ...] = (
+    {"name": "point", "points": [[0, 0, 0]], "normal": [0, 0, 1], "force_task": {"weight": 1.0}},
+    {"name": "smooth", "points": [[0, 0, 0.1]], "normal": [0, 1, 0], "friction": 0.0},
+)
 
 
 def every_kind_of_task() -> RobotConfig:
@@ -32,7 +37,12 @@ def every_kind_of_task() -> RobotConfig:
         {"name": "joints", "kind": "posture"},
     ]
     tasks = tuple(make_task(Fields(entry | _GAINS, __name__), robot.model) for entry in entries)
-    return replace(robot, tasks=tasks, hierarchy=" > ".join(task.name for task in tasks))
+    contacts = tuple(
+        Contact.from_config(Fields({"frame": frame} | entry, __name__), robot.model)
+        for entry in _CONTACTS
+    )
+    hierarchy = " > ".join(task.name for task in tasks)
+    return replace(robot, tasks=tasks, hierarchy=hierarchy, contacts=contacts)
 
 
 def main() -> None:

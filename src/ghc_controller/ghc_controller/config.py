@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from ghc_controller.errors import ConfigurationError
+from ghc_controller.types import Array
 
 _MISSING: Any = object()
 
@@ -84,6 +86,13 @@ class Fields:
             raise self.error(field, f"{size} numbers expected, {_shown(value)} given")
         return [float(item) for item in value]
 
+    def points(self, field: str) -> Array:
+        """At least one point of three finite numbers, (p, 3)."""
+        value = self._get(field, _MISSING)
+        if not isinstance(value, list) or not value or not all(map(_is_point, value)):
+            raise self.error(field, f"a list of points [x, y, z] expected, {_shown(value)} given")
+        return np.array(value, dtype=np.float64)
+
     def number_or_map(self, field: str) -> float | dict[str, float] | None:
         """One number, or a mapping name -> number; None when the field is absent."""
         value = self._get(field, None)
@@ -113,9 +122,11 @@ class Fields:
         """A nested mapping; empty when the field is absent."""
         return Fields(self._get(field, {}), self._source, f"{self._prefix}{field}.")
 
-    def sections(self, field: str) -> list[Fields]:
-        """A list of mappings with at least one entry."""
-        value = self._get(field, _MISSING)
+    def sections(self, field: str, optional: bool = False) -> list[Fields]:
+        """A list of mappings with at least one entry; none where `optional` and absent."""
+        value = self._get(field, None if optional else _MISSING)
+        if value is None:
+            return []
         if not isinstance(value, list) or not value:
             raise self.error(field, f"a list of mappings expected, {_shown(value)} given")
         return [
@@ -157,6 +168,10 @@ def read_yaml(path: Path) -> Fields:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_point(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
 
 
 def _shown(value: object) -> str:

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from ghc_controller.braking import braking_torque
-from ghc_controller.constraints import Boxes, Slack
+from ghc_controller.constraints.obstacle import ObstacleDistance
+from ghc_controller.contacts import BoundsInForce, ContactSet
 from ghc_controller.controller_settings import ControllerSettings, make_constraints
-from ghc_controller.formulations import (
-    ControlProblem,
-    Solution,
-    SolutionStatus,
-    make_formulation,
-)
+from ghc_controller.errors import UnknownName
+from ghc_controller.formulations import ControlProblem, SolutionStatus, make_formulation
 from ghc_controller.hierarchy import (
     Transition,
     TransitionEvent,
@@ -29,13 +25,13 @@ from ghc_controller.output_gate import OutputGate
 from ghc_controller.qp import make_solver
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.reference_schedule import ReferenceSchedule
-from ghc_controller.report import Report, StepResult, StepStatus, TaskReport
+from ghc_controller.report import ObstacleReport, Report, StepResult, StepStatus
+from ghc_controller.reporting import Limits, contact_report, make_report, task_reports
 from ghc_controller.robot_config import RobotConfig, load_robot_config
-from ghc_controller.robot_model import RobotModel
 from ghc_controller.robots import find_robot
 from ghc_controller.task_stack import TaskStack
-from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, Bounds, RobotState
+from ghc_controller.types import Array, Dynamics, RobotState
+from ghc_controller.warm_up import warm_up
 
 _STATUS = {
     SolutionStatus.SOLVED: StepStatus.SOLVED,
@@ -62,6 +58,12 @@ class Controller:
         self.references = ReferenceSchedule(robot.tasks)
         self.stack = TaskStack(robot.tasks, self.model.nv)
         self.constraints = make_constraints(robot, self.settings)
+        self.contacts = ContactSet(robot.contacts)
+        self.force_bounds = BoundsInForce(robot.contacts)
+        self.obstacles = ObstacleDistance(self.model, self.settings.obstacle_horizon)
+        self.force_references = ReferenceSchedule(
+            [contact.force_task for contact in robot.contacts if contact.force_task is not None]
+        )
         self.formulation = make_formulation(
             self.settings.formulation,
             self.settings.optimization,
@@ -72,14 +74,14 @@ class Controller:
         )
         hierarchy = self.settings.hierarchy or robot.hierarchy
         self.priorities = TransitionSchedule(
-            matrix_from_hierarchy(robot.task_names, hierarchy), self._smallest_singular_value
+            matrix_from_hierarchy(robot.task_names, hierarchy), self.sigma_min_of
         )
         self._alpha = np.array(self.priorities.alpha)  # writable: one compiled signature
         self._applied: Array | None = None
         self._last: StepResult | None = None
-        self._boxes: Boxes | None = None
+        self._limits: Limits | None = None
         self._events: list[TransitionEvent] = []
-        self.counts = {"qp_failures": 0, "fallback_ticks": 0, "relaxed_ticks": 0}
+        self.counts = {"qp_failures": 0, "fallback_ticks": 0, "relaxed_ticks": 0, "stale_ticks": 0}
 
     @classmethod
     def for_robot(
@@ -90,38 +92,37 @@ class Controller:
 
     def warm_up(self) -> None:
         """Compile and load every kernel, so that no tick takes longer for it, also in contact."""
-        wrenches = {
-            task.force.contact: np.full(6, 10.0 + 10.0 * task.force.threshold)
-            for task in self.robot.tasks
-            if task.force is not None
-        }
-        self.model.update(self.model.q, self.model.v)
-        for task in self.robot.tasks:
-            self.references.add(_moving_reference(task, self.model))
-        for time in (0.0, 0.5):
-            q = self.model.q + 0.1 * time
-            v, torque = np.zeros(self.model.nv), np.zeros(self.model.na)
-            self.step(RobotState(time, q, v, torque, wrenches))
-        problem = self._problem()
-        unactuated = problem.unactuated
-        tight = Bounds(problem.bias[unactuated:] - 1e-3, problem.bias[unactuated:] + 1e-3)
-        self.formulation.solve(replace(problem, torque=tight))
-        self._smallest_singular_value(self._alpha)
-        self.reset()
+        warm_up(self)
 
     def reset(self) -> None:
         """Forget the past: transitions, references, accumulated force errors, last torque."""
         self.references.reset()
+        self.force_references.reset()
         self.priorities.reset()
+        self.force_bounds.reset()
+        self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
         self._applied = None
         self._last = None
         self._events.clear()
 
+    def schedule_of(self, task: str) -> ReferenceSchedule:
+        """References among which those of `task` are: a task, or a contact with a force task.
+
+        Raises:
+            UnknownName: there is none of that name.
+        """
+        names = (self.references.names, self.force_references.names)
+        if task in names[1]:
+            return self.force_references
+        if task not in names[0]:
+            raise UnknownName("task", task, names[0] + names[1])
+        return self.references
+
     def add_reference(self, reference: ReferenceTrajectory) -> None:
         """Let a task follow `reference` from its start time on; UnknownName if there is none."""
-        self.references.add(reference)
+        self.schedule_of(reference.task).add(reference)
 
     def add_transition(self, transition: Transition, now: float) -> bool:
         """Schedule a change of priorities; False when it is a repeat that changes nothing.
@@ -144,34 +145,33 @@ class Controller:
     def observe(self, state: RobotState) -> None:
         """Look at a state without answering it: requests are judged at its configuration."""
         self.model.update(state.q, state.v)
-        if not self.references.has_begun:
-            self.references.begin(self.model)
+        self._begin_references()
         self.stack.update(self.model, state, self.references)
 
     def step(self, state: RobotState) -> StepResult:
         """Torque for one robot state; never raises for what a robot can be in."""
         begin = perf_counter()
-        model, settings = self.model, self.settings
+        model = self.model
         dynamics = model.update(state.q, state.v)
-        if not self.references.has_begun:
-            self.references.begin(model)
+        self._begin_references()
         events = tuple(self._events) + tuple(self.priorities.advance(state.time))
         self._events.clear()
         self._alpha[:] = self.priorities.alpha
         self.stack.update(model, state, self.references)
         applied = self._applied if state.torque is None else state.torque
-        self._boxes = self.constraints.update(model, dynamics, state, applied, settings.control_dt)
+        limits = self._limits = self._update_limits(dynamics, state, applied)
         after_terms = perf_counter()
-        solution = self.formulation.solve(self._problem())
+        solution = self.formulation.solve(self.problem())
         after_solve = perf_counter()
         status = _STATUS[solution.status]
         if status is StepStatus.FALLBACK:
-            torque = braking_torque(dynamics, state.v, model.torque_limit)
+            torque = braking_torque(
+                dynamics, state.v, model.torque_limit, contact_rows=limits.contact_rows
+            )
         else:
             torque = solution.torque
-            if status is StepStatus.SOLVED and (
-                self._boxes.acceleration.slack or self._boxes.torque.slack
-            ):
+            boxes = limits.boxes
+            if status is StepStatus.SOLVED and (boxes.acceleration.slack or boxes.torque.slack):
                 status = StepStatus.RELAXED
         gated = self.gate.apply(torque, applied, dynamics, state.v)
         self._applied = gated.torque
@@ -195,33 +195,29 @@ class Controller:
         Raises:
             RuntimeError: no step was made yet.
         """
-        result, boxes = self._last, self._boxes
-        if result is None or boxes is None:
+        result, limits = self._last, self._limits
+        if result is None or limits is None:
             raise RuntimeError("report() needs a step() before it")
-        solution = result.solution
-        active: tuple[str, ...] = ()
-        slack = boxes.acceleration.slack + boxes.torque.slack
-        reason = ""
-        if result.status is StepStatus.FALLBACK:
-            reason = "no torque meets the hard rows: " + ", ".join(_conflicting(boxes))
-        else:
-            active = boxes.acceleration.active(solution.acceleration)
-            active += boxes.torque.active(solution.torque)
-            slack += self._solution_slack(solution, boxes)
-        return Report(
+        contacts = contact_report(
+            self.contacts, self.force_bounds.planned, limits.normal_bounds, result.solution.force
+        )
+        states = self.obstacles.states(result.time)
+        return make_report(
             result,
-            tuple(self._task_report(i, result.time) for i in range(len(self.stack.tasks))),
-            self._alpha.copy(),
+            limits,
+            task_reports(self.stack, self.references, result.time),
+            self._alpha,
             self.priorities.sigma_min,
-            active,
-            slack,
-            reason,
+            contacts,
+            tuple(ObstacleReport(planned, state) for planned, state in states),
             self.counts | self.gate.counts,
         )
 
-    def _problem(self) -> ControlProblem:
-        assert self._boxes is not None
-        model = self.model
+    def problem(self) -> ControlProblem:
+        """The control problem of the last step."""
+        limits, model = self._limits, self.model
+        assert limits is not None
+        boxes = limits.boxes
         return ControlProblem(
             self.stack.jacobian,
             self.stack.target,
@@ -229,13 +225,36 @@ class Controller:
             self._alpha,
             model.dynamics.mass_matrix,
             model.dynamics.bias,
-            self._boxes.acceleration.bounds,
-            self._boxes.torque.bounds,
-            self._boxes.torque.hard,
-            unactuated=model.nv - model.na,
+            boxes.acceleration.bounds,
+            boxes.torque.bounds,
+            boxes.torque.hard,
+            limits.obstacle_rows,
+            limits.contact_rows,
+            model.nv - model.na,
         )
 
-    def _smallest_singular_value(self, alpha: Array) -> float:
+    def _begin_references(self) -> None:
+        if not self.references.has_begun:
+            self.references.begin(self.model)
+            self.force_references.begin(self.model)
+
+    def _update_limits(
+        self, dynamics: Dynamics, state: RobotState, applied: Array | None
+    ) -> Limits:
+        boxes = self.constraints.update(
+            self.model, dynamics, state, applied, self.settings.control_dt
+        )
+        bounds = self.force_bounds.at(state.time)
+        self.counts["stale_ticks"] += bool(bounds.stale) or self.obstacles.is_stale(state.time)
+        return Limits(
+            boxes,
+            self.contacts.rows(self.model, bounds, self.force_references, state.time),
+            bounds,
+            self.obstacles.rows(state.time),
+        )
+
+    def sigma_min_of(self, alpha: Array) -> float:
+        """Smallest singular value of [P_1 .. P_k] at the present configuration."""
         projector = self.settings.optimization.projector
         return smallest_singular_value(
             generalized_projectors(
@@ -249,45 +268,3 @@ class Controller:
             self.counts["fallback_ticks"] += 1
         elif status is StepStatus.RELAXED:
             self.counts["relaxed_ticks"] += 1
-
-    def _task_report(self, index: int, time: float) -> TaskReport:
-        error = self.stack.error_of(index).copy()
-        task = self.stack.tasks[index]
-        force = task.force_row_mask if self.stack.force_rows[index] else np.zeros(task.size, bool)
-        return TaskReport(
-            task.name,
-            error,
-            float(np.linalg.norm(error[~force])),
-            float(np.linalg.norm(error[force])),
-            self.references.target(index, time),
-        )
-
-    @staticmethod
-    def _solution_slack(solution: Solution, boxes: Boxes) -> tuple[Slack, ...]:
-        if solution.acceleration_slack is None:
-            return ()
-        box = boxes.acceleration
-        return tuple(
-            Slack(
-                box.lower_name(entry)
-                if solution.acceleration[entry] < box.bounds.lower[entry]
-                else box.upper_name(entry),
-                float(solution.acceleration_slack[entry]),
-            )
-            for entry in np.flatnonzero(solution.acceleration_slack > 0.0)
-        )
-
-
-def _moving_reference(task: Task, model: RobotModel) -> ReferenceTrajectory:
-    """A reference of one second that uses every kind of interpolation of a task."""
-    position = np.stack([task.current(model)] * 2)
-    zeros = np.zeros((2, task.size))
-    wrench = None if task.force is None else zeros + 1.0
-    return ReferenceTrajectory.for_task(task, np.array([0.0, 1.0]), position, zeros, zeros, wrench)
-
-
-def _conflicting(boxes: Boxes) -> list[str]:
-    """Names of the rows that bound the torque from both sides: the suspects of a conflict."""
-    names = [boxes.torque.lower_name(i) for i in range(len(boxes.torque.entries))]
-    names += [boxes.torque.upper_name(i) for i in range(len(boxes.torque.entries))]
-    return sorted({name for name in names if name})

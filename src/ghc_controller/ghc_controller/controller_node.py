@@ -4,8 +4,9 @@ Publishes  joint_commands (stamp = the state answered, effort [Nm] by joint name
            ghc/transition_status, ghc/priority_matrix (latched), ghc/controller_state,
            /diagnostics, and with mirror_commands /effort_controller/commands (ros2_control).
 Subscribes joint_states (frame_id = epoch, effort = torque applied over the last period),
-           ghc/priority_transition, ghc/task_reference, contacts/<name> where it has to wait for
-           them.
+           ghc/priority_transition, ghc/task_reference, constraints/contact_force_bounds,
+           constraints/obstacle_motion, contacts/<name> where it has to wait for them, odom for a
+           floating base.
 Parameters see ControllerParameters.
 """
 
@@ -25,6 +26,7 @@ from ghc_msgs.msg import (
     TaskReference,
     TransitionStatus,
 )
+from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
@@ -37,6 +39,8 @@ from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.joint_state_reader import JointStateReader
 from ghc_controller.node_parameters import read_parameters
 from ghc_controller.parameters import ControllerParameters
+from ghc_controller.plan_conversions import PLAN_QOS, obstacle_message
+from ghc_controller.plan_inbox_node import PLANS, PlanInbox
 from ghc_controller.rejections import Rejections
 from ghc_controller.report import StepStatus
 from ghc_controller.ros_conversions import (
@@ -46,6 +50,7 @@ from ghc_controller.ros_conversions import (
     NANOSECONDS,
     RELIABLE_QOS,
     STREAM_QOS,
+    base_from_message,
     controller_state_message,
     diagnostics_message,
     event_message,
@@ -60,6 +65,7 @@ from ghc_controller.run_node import guarded, run_node
 from ghc_controller.state_gate import StateGate, Verdict
 
 NODE_NAME = "controller"
+ODOMETRY = "odom"
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
 
 
@@ -78,7 +84,11 @@ class ControllerNode:
         self._controller = Controller.for_robot(p.robot, p.settings())
         self._controller.warm_up()
         self._reader = JointStateReader(self._controller.model.joint_names)
-        self._gate: StateGate[JointState] = StateGate(p.wait_for_contacts)
+        base = (ODOMETRY,) if self._controller.model.floating_base else ()
+        self._gate: StateGate[JointState] = StateGate(
+            base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
+        )
+        self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
         self._rejections = Rejections()
         self._early: list[Callable[[], None]] = []  # requests that came before the first state
         self._now: float | None = None  # [s] of the last state
@@ -116,6 +126,13 @@ class ControllerNode:
                 guarded(stop, partial(self._on_wrench, name)),
                 CONTROL_SUBSCRIBER_QOS,
             )
+        if self._controller.model.floating_base:
+            node.create_subscription(
+                Odometry, ODOMETRY, guarded(stop, self._on_odometry), CONTROL_SUBSCRIBER_QOS
+            )
+        for name, kind in PLANS.items():
+            take = guarded(stop, partial(self._plans.take, name))
+            node.create_subscription(kind, f"constraints/{name}", take, PLAN_QOS)
         for message, topic, handle in (
             (PriorityTransition, "ghc/priority_transition", self._on_transition),
             (TaskReference, "ghc/task_reference", self._on_reference),
@@ -130,8 +147,29 @@ class ControllerNode:
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
     def _on_state(self, message: JointState) -> None:
-        header = message.header
-        self._handle(message, self._gate.state(message, _stamp_of(message), header.frame_id))
+        stamp_ns, overdue_ns = _stamp_of(message), self._gate.waiting_ns
+        if overdue_ns is not None and stamp_ns > overdue_ns:
+            for name in self._gate.missing(overdue_ns):
+                self._reject(
+                    f"{name}.stamp",
+                    f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as joint_states has it",
+                )
+        self._handle(message, self._gate.state(message, stamp_ns, message.header.frame_id))
+
+    def _on_odometry(self, message: Odometry) -> None:
+        try:
+            base = base_from_message(message)
+        except InvalidValue as error:
+            self._reject(ODOMETRY, str(error))
+            return
+        self._continue(self._gate.companion(ODOMETRY, _stamp_of(message), base))
+
+    def _on_plan(self, name: str, stamp_ns: int, epoch: int) -> None:
+        self._continue(self._gate.plan(name, stamp_ns, epoch))
+
+    def _continue(self, complete: tuple[JointState, Verdict] | None) -> None:
+        if complete is not None:
+            self._handle(*complete)
 
     def _on_wrench(self, name: str, message: WrenchStamped) -> None:
         try:
@@ -139,9 +177,7 @@ class ControllerNode:
         except InvalidValue as error:
             self._reject(f"contacts/{name}", str(error))
             return
-        complete = self._gate.wrench(name, _stamp_of(message), wrench)
-        if complete is not None:
-            self._handle(*complete)
+        self._continue(self._gate.companion(name, _stamp_of(message), wrench))
 
     def _handle(self, message: JointState, verdict: Verdict) -> None:
         if verdict is Verdict.REPEATED:
@@ -159,9 +195,11 @@ class ControllerNode:
     def _answer(self, message: JointState, new_epoch: bool) -> None:
         controller = self._controller
         stamp_ns = _stamp_of(message)
+        values = self._gate.values
+        base = values.pop(ODOMETRY, None)
         try:
             state = self._reader.read(
-                message, stamp_ns / NANOSECONDS, self._gate.epoch, self._gate.wrenches
+                message, stamp_ns / NANOSECONDS, self._gate.epoch, values, base
             )
         except InvalidValue as error:
             self._gate.forget()
@@ -169,7 +207,9 @@ class ControllerNode:
             return
         if new_epoch:
             controller.reset()
+            self._plans.forget()
             self._state_due_ns = 0
+        self._plans.hand_over(self._gate.epoch)
         first = self._now is None
         self._now = state.time
         if first:
@@ -196,14 +236,14 @@ class ControllerNode:
         controller = self._controller
         report = controller.report()
         report.counts.update({f"rejected_{k}": n for k, n in self._rejections.counts.items()})
-        self._state.publish(
-            controller_state_message(
-                report,
-                controller.formulation.name,
-                controller.formulation.solver.name,
-                controller.model.joint_names,
-            )
+        message = controller_state_message(
+            report,
+            controller.formulation.name,
+            controller.formulation.solver.name,
+            controller.model.joint_names,
         )
+        message.obstacles = [obstacle_message(entry) for entry in report.obstacles]
+        self._state.publish(message)
         priorities = controller.priorities
         shown = (priorities.alpha.tobytes(), priorities.in_transition, self._gate.epoch)
         if shown != self._shown_matrix:  # latched: who comes later gets the last one
@@ -248,8 +288,9 @@ class ControllerNode:
         now = self._now or 0.0
         controller = self._controller
         try:
-            task = controller.references.task(message.task)
-            current = controller.references.current(message.task, now).position
+            schedule = controller.schedule_of(message.task)
+            task = schedule.task(message.task)
+            current = schedule.current(message.task, now).position
             reference = reference_from_message(message, task, current, now)
             self._check_start(reference.start_time, now)
             controller.add_reference(reference)
@@ -276,21 +317,22 @@ class ControllerNode:
         trouble = counts["fallback_ticks"] + sum(self._rejections.counts.values())
         stamp_ns = round((self._now or 0.0) * NANOSECONDS)
         summary = "ok" if self._now is not None else "waiting for joint_states"
+        silence = self._plans.silent(self._now or 0.0)
         if trouble:
             summary = f"{counts['fallback_ticks']} ticks without a solution, "
             summary += f"{sum(self._rejections.counts.values())} inputs refused"
+        summary = "; ".join(part for part in (silence, summary) if part)
         values: dict[str, object] = {"formulation": controller.formulation.name}
+        warning = trouble > 0 or bool(silence)
         self._diagnostics.publish(
-            diagnostics_message(
-                stamp_ns, NODE_NAME, summary, trouble > 0, values | counts | rejected
-            )
+            diagnostics_message(stamp_ns, NODE_NAME, summary, warning, values | counts | rejected)
         )
 
     def close(self) -> None:
         """Nothing to be written."""
 
 
-def _stamp_of(message: JointState | WrenchStamped) -> int:
+def _stamp_of(message: JointState | WrenchStamped | Odometry) -> int:
     return nanoseconds_from_time(message.header.stamp)
 
 

@@ -36,12 +36,13 @@ class ControllerSettings:
     torque_bound: float = 0.0  # [Nm] for every joint; 0 = of the robot
     torque_bound_around: TorqueCenter = TorqueCenter.ZERO
     torque_rate_limit: float = -1.0  # [Nm/s]; 0 = off, negative = of the robot
+    obstacle_horizon: float = 0.1  # [s] delta t of eq. 4.2 of the thesis
     position_limits: bool = True
     velocity_limits: bool = True
     optimization: FormulationSettings = field(default_factory=FormulationSettings)
 
     def __post_init__(self) -> None:
-        for name in ("control_dt", "velocity_horizon"):
+        for name in ("control_dt", "velocity_horizon", "obstacle_horizon"):
             if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
                 raise InvalidValue(f"{name} = {getattr(self, name)} s given, more than 0 expected")
         for name in ("velocity_limit", "torque_bound"):

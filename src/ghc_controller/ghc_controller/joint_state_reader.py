@@ -1,4 +1,4 @@
-"""Joint states by name: from a message to the robot model's own order."""
+"""Joint states by name, and the base: from messages to the robot model's own order."""
 
 from __future__ import annotations
 
@@ -33,9 +33,18 @@ class JointStateReader:
         self._index = np.zeros(0, dtype=np.int64)
 
     def read(
-        self, message: JointStateLike, time: float, epoch: int, wrenches: Mapping[str, Array]
+        self,
+        message: JointStateLike,
+        time: float,
+        epoch: int,
+        wrenches: Mapping[str, Array],
+        base: Array | None = None,
     ) -> RobotState:
-        """State of a fixed-base robot at `time` [s].
+        """State of the robot at `time` [s].
+
+        Args:
+            base: (13,) of a floating base: position, quaternion x, y, z, w, then linear and
+                angular velocity in base axes.
 
         Raises:
             InvalidValue: a joint is missing, a field has another size or an entry that is not
@@ -44,14 +53,10 @@ class JointStateReader:
         if message.name != self._names:
             self._look_up(message.name)
         effort = self._field(message, "effort") if len(message.effort) else None
-        return RobotState(
-            time,
-            self._field(message, "position"),
-            self._field(message, "velocity"),
-            effort,
-            wrenches,
-            epoch,
-        )
+        q, v = self._field(message, "position"), self._field(message, "velocity")
+        if base is not None:
+            q, v = np.concatenate([base[:7], q]), np.concatenate([base[7:], v])
+        return RobotState(time, q, v, effort, wrenches, epoch)
 
     def _look_up(self, names: Sequence[str]) -> None:
         given = list(names)

@@ -51,6 +51,17 @@ def one_of(*choices: str) -> Check:
     return lambda value: "" if value in choices else "must be one of: " + ", ".join(choices)
 
 
+def several_of(*choices: str) -> Check:
+    """Check: a list of distinct texts out of these."""
+
+    def check(values: object) -> str:
+        assert isinstance(values, tuple)
+        good = set(values) <= set(choices) and len(set(values)) == len(values)
+        return "" if good else "must be out of, each once: " + ", ".join(choices)
+
+    return check
+
+
 def read_parameters(node: Node, kind: type[P]) -> P:
     """Declare the fields of the dataclass `kind` on `node` and return their checked values.
 

@@ -15,6 +15,7 @@ from ghc_controller.node_parameters import (
     one_of,
     parameter,
     positive,
+    several_of,
 )
 
 
@@ -62,6 +63,15 @@ class ControllerParameters:
     wait_for_contacts: tuple[str, ...] = parameter(
         (), "contacts whose wrench of the same stamp a step waits for"
     )
+    wait_for_bounds: tuple[str, ...] = parameter(
+        (),
+        "plans that a step waits for: contact_force_bounds, obstacle_motion",
+        several_of("contact_force_bounds", "obstacle_motion"),
+    )
+    bounds_step: float = parameter(0.01, "[s] between two plans of a generator", positive)
+    obstacle_horizon: float = parameter(
+        0.1, "[s] over which an obstacle's distance is kept (delta t of eq. 4.2)", positive
+    )
     mirror_commands: bool = parameter(
         False, "publish /effort_controller/commands as well, order of the robot model"
     )
@@ -76,6 +86,7 @@ class ControllerParameters:
             hierarchy=self.hierarchy,
             velocity_limit=self.velocity_limit,
             velocity_horizon=self.velocity_horizon,
+            obstacle_horizon=self.obstacle_horizon,
             torque_bound=self.torque_bound,
             torque_bound_around=TorqueCenter(self.torque_bound_around),
             torque_rate_limit=self.torque_rate_limit,

@@ -26,15 +26,22 @@ class ReferenceSchedule:
         """Forget every reference; `begin` must be called again."""
         self._queues: list[list[ReferenceTrajectory]] = [[] for _ in self._tasks]
         self._defaults: list[TaskTarget] = []
+        self._begun = False
 
     def begin(self, model: RobotModel) -> None:
         """Fix the targets of tasks without a reference at the state of the last update."""
         self._defaults = [task.default_target(model) for task in self._tasks]
+        self._begun = True
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the tasks."""
+        return tuple(self._index)
 
     @property
     def has_begun(self) -> bool:
         """True after `begin`."""
-        return bool(self._defaults)
+        return self._begun
 
     def task(self, name: str) -> Task:
         """Task of that name.

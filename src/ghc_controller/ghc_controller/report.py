@@ -7,6 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from ghc_controller.constraints import Slack
+from ghc_controller.constraints.motion_plan import PlannedObstacle
 from ghc_controller.formulations import Solution
 from ghc_controller.hierarchy import TransitionEvent
 from ghc_controller.types import Array, TaskTarget
@@ -46,6 +47,24 @@ class TaskReport:
 
 
 @dataclass(frozen=True, slots=True)
+class ContactReport:
+    """Normal forces [N] of the contacts that a generator bounds, and the bounds in force."""
+
+    names: tuple[str, ...]  # c
+    lower: Array  # (c,)
+    upper: Array  # (c,)
+    force: Array  # (c,) what the QP asks for; 0 where a contact is off
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleReport:
+    """One virtual obstacle as this step used it."""
+
+    planned: PlannedObstacle
+    state: Array  # (3, 3) position [m], velocity [m/s], acceleration [m/s^2]; world axes
+
+
+@dataclass(frozen=True, slots=True)
 class Report:
     """Account of the last step, made on demand: names and copies that outlive the tick."""
 
@@ -57,3 +76,5 @@ class Report:
     slack: tuple[Slack, ...]
     fallback_reason: str
     counts: dict[str, int]
+    contacts: ContactReport
+    obstacles: tuple[ObstacleReport, ...]

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ghc_controller.config import Fields, read_yaml
-from ghc_controller.errors import ConfigurationError, GhcError
+from ghc_controller.contacts.contact import Contact
+from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
 from ghc_controller.joint_limits import JointLimits, overridden
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.registry import make_task
@@ -33,6 +34,17 @@ class RobotConfig:
     tasks:                       # names unique; fields by kind: see the files of tasks/
       - {name: hand, kind: frame_position, frame: tool, stiffness: 30.0, damping: 20.0}
     hierarchy: "hand"            # in force at the start
+    contacts:                    # optional
+      - name: palm               # as in contacts/<name> and in schedules
+        frame: tool
+        points: [[0, 0, 0.1]]    # [m] in the frame; three or more hold the frame as a whole
+        normal: [0, 0, 1]        # world axes, as the surroundings push
+        friction: 0.5            # [-] default 0.5; 0 = only along the normal
+        force_lower: 0.0         # [N] default 0; normal force, where no generator bounds it
+        force_upper: 1000.0      # [N] default 1000
+        active: false            # default false: on at the start
+        on_stale: hold           # default hold; release: once a generator is silent, as above
+        force_task: {weight: 1}  # optional: the normal force follows a TaskReference
     ```
     """
 
@@ -45,6 +57,7 @@ class RobotConfig:
     model: RobotModel  # with the limits of the file
     tasks: tuple[Task, ...]  # k tasks, in the order of the file
     hierarchy: str
+    contacts: tuple[Contact, ...] = ()
 
     @property
     def task_names(self) -> tuple[str, ...]:
@@ -70,9 +83,10 @@ def load_robot_config(path: str | Path) -> RobotConfig:
     limits.done()
     tasks = _build_tasks(fields, model)
     hierarchy = fields.text("hierarchy")
+    contacts = _build_contacts(fields, model, tasks)
     fields.done()
     return RobotConfig(
-        path, name, urdf, floating_base, torque_rate, brake, model, tasks, hierarchy
+        path, name, urdf, floating_base, torque_rate, brake, model, tasks, hierarchy, contacts
     )
 
 
@@ -122,3 +136,21 @@ def _build_tasks(fields: Fields, model: RobotModel) -> tuple[Task, ...]:
             raise entry.error("name", f"'{task.name}' is already taken by another task")
         tasks[task.name] = task
     return tuple(tasks.values())
+
+
+def _build_contacts(
+    fields: Fields, model: RobotModel, tasks: tuple[Task, ...]
+) -> tuple[Contact, ...]:
+    contacts: dict[str, Contact] = {}
+    taken = {task.name for task in tasks}
+    for entry in fields.sections("contacts", optional=True):
+        try:
+            contact = Contact.from_config(entry, model)
+        except InvalidValue as error:
+            raise entry.complaint(str(error)) from error
+        if contact.name in contacts:
+            raise entry.error("name", f"'{contact.name}' is already taken by another contact")
+        if contact.force_task is not None and contact.name in taken:
+            raise entry.error("name", f"'{contact.name}' is already taken by a task")
+        contacts[contact.name] = contact
+    return tuple(contacts.values())

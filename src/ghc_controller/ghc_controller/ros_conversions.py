@@ -17,6 +17,7 @@ from ghc_msgs.msg import (
     TaskState,
     TransitionStatus,
 )
+from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ghc_controller.errors import InvalidValue, WrongSize
@@ -34,7 +35,7 @@ from ghc_controller.hierarchy import (
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.report import Report
 from ghc_controller.tasks.posture import PostureTask
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import UNIT_TOLERANCE, Task
 from ghc_controller.types import Array
 
 NANOSECONDS = 1_000_000_000  # in a second
@@ -79,6 +80,28 @@ def wrench_from_message(message: WrenchStamped) -> Array:
     if not np.isfinite(wrench).all():
         raise InvalidValue(f"wrench {wrench.tolist()} given, finite numbers expected")
     return wrench
+
+
+def base_from_message(message: Odometry) -> Array:
+    """(13,) position [m], unit quaternion x, y, z, w, linear and angular velocity, base axes.
+
+    Raises:
+        InvalidValue: an entry is not finite, or the quaternion is not of unit length.
+    """
+    pose, twist = message.pose.pose, message.twist.twist
+    point, turn = pose.position, pose.orientation
+    base = np.array(
+        [point.x, point.y, point.z, turn.x, turn.y, turn.z, turn.w]
+        + [twist.linear.x, twist.linear.y, twist.linear.z]
+        + [twist.angular.x, twist.angular.y, twist.angular.z]
+    )
+    if not np.isfinite(base).all():
+        raise InvalidValue(f"pose and twist {base.tolist()} given, finite numbers expected")
+    length = float(np.linalg.norm(base[3:7]))
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise InvalidValue(f"quaternion of length {length:g} given, a unit quaternion expected")
+    base[3:7] /= length
+    return base
 
 
 def transition_from_message(
@@ -239,6 +262,10 @@ def controller_state_message(
         NamedCount(name=name, count=count) for name, count in sorted(report.counts.items())
     ]
     message.torque = result.torque.tolist()
+    message.bounded_contacts = list(report.contacts.names)
+    message.contact_lower = report.contacts.lower.tolist()
+    message.contact_upper = report.contacts.upper.tolist()
+    message.contact_forces = report.contacts.force.tolist()
     message.time_terms = result.time_terms
     message.time_solve = result.time_solve
     message.time_step = result.time_step

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
-from ghc_mpc_constraints.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_mpc_constraints.contact_schedule import ContactSchedule, RawBounds, preview
 from ghc_mpc_constraints.force_bound_qp import ForceBoundQp, ForceBoundWeights
 from ghc_mpc_constraints.preview_model import STEP_TOLERANCE, Horizon

@@ -18,13 +18,13 @@ from ghc_msgs.msg import ContactSchedule
 from rclpy.task import Future
 
 from ghc_controller.errors import GhcError
+from ghc_controller.plan_conversions import PLAN_QOS
 from ghc_controller.ros_conversions import NANOSECONDS
 from ghc_controller.run_node import run_node
 from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds
 from ghc_mpc_constraints.generator_node import GeneratorNode
 from ghc_mpc_constraints.parameters import ForceBoundParameters
 from ghc_mpc_constraints.ros_conversions import (
-    PLAN_QOS,
     SCHEDULE_QOS,
     bounds_in_force,
     force_bounds_message,

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ghc_controller.errors import InvalidValue
-from ghc_controller.types import Array
-from ghc_mpc_constraints.approach import ReactionTime
-from ghc_mpc_constraints.measurement import Measurement, frame_of
-from ghc_mpc_constraints.motion_plan import (
+from ghc_controller.constraints.motion_plan import (
     MotionPlan,
     MotionStatus,
     PlannedObstacle,
 )
+from ghc_controller.errors import InvalidValue
+from ghc_controller.types import Array
+from ghc_mpc_constraints.approach import ReactionTime
+from ghc_mpc_constraints.measurement import Measurement, frame_of
 from ghc_mpc_constraints.motion_qp import MotionQp
 from ghc_mpc_constraints.motion_weights import (
     POWER,

@@ -17,6 +17,7 @@ from ghc_msgs.msg import ObstacleStateArray
 from rclpy.task import Future
 
 from ghc_controller.errors import GhcError
+from ghc_controller.plan_conversions import PLAN_QOS
 from ghc_controller.ros_conversions import NANOSECONDS, nanoseconds_from_time
 from ghc_controller.run_node import run_node
 from ghc_mpc_constraints.generator_node import GeneratorNode
@@ -24,7 +25,6 @@ from ghc_mpc_constraints.measurement import Measurement
 from ghc_mpc_constraints.obstacle_bounds import ObstacleBounds
 from ghc_mpc_constraints.parameters import ObstacleParameters
 from ghc_mpc_constraints.ros_conversions import (
-    PLAN_QOS,
     SENSOR_SUBSCRIBER_QOS,
     measurement_from_message,
     motion_in_force,

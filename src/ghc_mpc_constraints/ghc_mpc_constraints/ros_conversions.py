@@ -17,7 +17,10 @@ from ghc_msgs.msg import (
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.constraints.motion_plan import MotionPlan
+from ghc_controller.contacts import ForceBoundsPlan
+from ghc_controller.errors import InvalidValue
+from ghc_controller.plan_conversions import motion_state
 from ghc_controller.ros_conversions import (
     NANOSECONDS,
     nanoseconds_from_time,
@@ -25,10 +28,8 @@ from ghc_controller.ros_conversions import (
     time_from_seconds,
 )
 from ghc_controller.types import Array
-from ghc_mpc_constraints.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_mpc_constraints.contact_schedule import ContactSchedule as Schedule
 from ghc_mpc_constraints.measurement import Measurement
-from ghc_mpc_constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
 from ghc_mpc_constraints.schedule_inbox import TimedSchedule
 
 # One message a contact: as many are kept for a generator that starts later.
@@ -37,7 +38,6 @@ SCHEDULE_QOS = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-PLAN_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 SENSOR_PUBLISHER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 SENSOR_SUBSCRIBER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -102,37 +102,6 @@ def force_bounds_message(plan: ForceBoundsPlan, start_ns: int, epoch: int) -> Co
     return message
 
 
-def force_bounds_from_message(message: ContactForceBounds) -> ForceBoundsPlan:
-    """Plan of a message.
-
-    Raises:
-        GhcError: sizes that do not fit together, entries that are not finite.
-    """
-    count, points = len(message.contacts), int(message.points)
-    for name in ("in_contact", "conflict", "status"):
-        if len(getattr(message, name)) != count:
-            raise WrongSize(f"contact_force_bounds, {name}", len(getattr(message, name)), count)
-    bounds = {}
-    for name in ("lower", "upper"):
-        values = np.array(getattr(message, name), dtype=np.float64)
-        if values.shape != (count * points,) or points < 2:
-            raise WrongSize(f"contact_force_bounds, {name}", len(values), f"{count} * {points}")
-        if not np.isfinite(values).all():
-            raise InvalidValue(f"contact_force_bounds, {name}: finite numbers expected")
-        bounds[name] = values.reshape(count, points)
-    return ForceBoundsPlan(
-        nanoseconds_from_time(message.header.stamp) / NANOSECONDS,
-        message.step,
-        tuple(message.contacts),
-        bounds["lower"],
-        bounds["upper"],
-        tuple(message.in_contact),
-        tuple(PlanStatus(int(value)) for value in message.status),
-        tuple(message.conflict),
-        message.interpolate,
-    )
-
-
 def measurement_from_message(message: ObstacleState) -> Measurement:
     """Measurement of a raw obstacle; GhcError as in Measurement.checked."""
     return Measurement.checked(
@@ -171,43 +140,6 @@ def obstacle_motion_message(plan: MotionPlan, start_ns: int, epoch: int) -> Obst
         entry.status = planned.status.value
         message.obstacles.append(entry)
     return message
-
-
-def obstacle_motion_from_message(message: ObstacleStateArray) -> MotionPlan:
-    """Plan of a message.
-
-    Raises:
-        GhcError: sizes that do not fit, entries that are not finite.
-    """
-    start = nanoseconds_from_time(message.header.stamp)
-    length = nanoseconds_from_time(message.valid_until) - start
-    steps = round(length / NANOSECONDS / message.step) if message.step > 0.0 else 0
-    planned = []
-    for entry in message.obstacles:
-        jerk = np.array(entry.jerk, dtype=np.float64)
-        if len(jerk) % 3:
-            raise WrongSize(f"obstacle '{entry.id}', jerk", len(jerk), "a multiple of 3")
-        state = motion_state(entry)
-        if not (np.isfinite(jerk).all() and np.isfinite(state).all()):
-            raise InvalidValue(f"obstacle '{entry.id}': finite numbers expected")
-        planned.append(
-            PlannedObstacle(
-                entry.id,
-                entry.protected_frame,
-                entry.safe_distance,
-                np.array(entry.normal, dtype=np.float64),
-                state,
-                jerk.reshape(-1, 3),
-                MotionStatus(int(entry.status)),
-            )
-        )
-    return MotionPlan(start / NANOSECONDS, message.step, steps, tuple(planned))
-
-
-def motion_state(entry: ObstacleState) -> Array:
-    """(3, 3) rows: position, velocity, acceleration."""
-    rows = [entry.position, entry.velocity, entry.acceleration]
-    return np.array([list(row) for row in rows], dtype=np.float64)
 
 
 def bounds_in_force(data: bytes) -> dict[str, tuple[float, float]]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ghc_controller.formulations.bounded_qp import solve_qp, unbounded_answer
 from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.kernels import (
     balanced_target,
     weighted_system,
 )
-from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
+from ghc_controller.formulations.reduction import reduce_contacts
 from ghc_controller.small_factors import inverse_factor
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped
@@ -46,7 +45,6 @@ class BalancedGhc(Formulation):
         answer = unbounded_answer(reduced, target)
         if answer is not None:
             return answer
-        contacts = problem.contacts
         k = problem.alpha.shape[0]
         ratio = min(settings.metric_ratio, _LARGEST_SPREAD ** (1.0 / max(k - 1, 1)))
         metric, _ = weighted_system(
@@ -57,7 +55,6 @@ class BalancedGhc(Formulation):
             ratio,
             _METRIC_FLOOR,
         )
-        rows = 0 if contacts is None else contacts.jacobian.shape[0]
-        scale = 1.0 if contacts is None else float(1.0 / np.sqrt(contacts.force_weight))
-        parametrization = Parametrization.whitened(target, inverse_factor(metric), rows, scale)
+        factor = inverse_factor(metric)
+        parametrization = Parametrization.whitened(target, factor, problem.contacts)
         return solve_qp(reduced, parametrization, self.solver, settings)

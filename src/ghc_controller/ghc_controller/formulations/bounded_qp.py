@@ -1,7 +1,8 @@
 """From an affine parametrisation of (x, f) and a cost to a bounded answer, with what gives way.
 
 Every formulation ends here: rows are built from the same parametrisation, solved, and when they
-conflict relaxed in the order of the design: soft acceleration rows, torque rate, then no answer.
+conflict relaxed in the order of the design: soft acceleration rows, torque rate, normal force
+bounds, then no answer.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ import numpy as np
 
 from ghc_controller.formulations.box_kernels import box_answer, is_outside, torques_inside
 from ghc_controller.formulations.formulation import FormulationSettings, Solution, SolutionStatus
-from ghc_controller.formulations.problem import ReducedProblem
+from ghc_controller.formulations.problem import ContactRows
 from ghc_controller.formulations.qp_rows import Parametrization, SoftQp, build_qp, soften
+from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.qp import QpResult, QpSolver, Residuals
 from ghc_controller.types import Array
 
@@ -24,12 +26,13 @@ _SLACK_COUNTS = 1e-6  # [rad/s^2] a soft row that gives way by less has not
 def unbounded_answer(reduced: ReducedProblem, y: Array) -> Solution | None:
     """Solution of accelerations (d,) that meet every bound of a fixed base; else None.
 
-    With an unconstrained optimum at `y` no QP is needed then. Contact forces and an unactuated
-    base always need one.
+    With an unconstrained optimum at `y` no QP is needed then. An unactuated base always needs one.
     """
     source = reduced.source
-    if source.contacts is not None or source.unactuated > 0:
+    if source.unactuated > 0:
         return None
+    if source.contacts is not None:
+        return _unbounded_contact_answer(reduced, source.contacts, y)
     if source.rows is not None:
         value = source.rows.matrix @ y
         if not ((source.rows.lower <= value) & (value <= source.rows.upper)).all():
@@ -39,6 +42,24 @@ def unbounded_answer(reduced: ReducedProblem, y: Array) -> Solution | None:
         y, source.mass_matrix, source.bias, box.lower, box.upper, torque.lower, torque.upper
     )
     return Solution.unbounded(y, tau) if inside else None
+
+
+def _unbounded_contact_answer(
+    reduced: ReducedProblem, contacts: ContactRows, y: Array
+) -> Solution | None:
+    source, force = reduced.source, contacts.force_center
+    x = reduced.accelerations(y)
+    tau = reduced.torque_offset + reduced.torque_matrix @ y + reduced.torque_force @ force
+    checks = [
+        (x, source.acceleration.lower, source.acceleration.upper),
+        (tau, source.torque.lower, source.torque.upper),
+        (contacts.force_matrix @ force, contacts.force_lower, contacts.force_upper),
+    ]
+    if source.rows is not None:
+        checks.append((source.rows.matrix @ x, source.rows.lower, source.rows.upper))
+    if any(is_outside(*check, 0.0) for check in checks):
+        return None
+    return Solution.unbounded(x, tau, force)
 
 
 def solve_bounded(
@@ -70,12 +91,17 @@ def solve_qp(
     answer = _accept(reduced, parametrization, qp, *solver.solve_checked(qp.problem))
     if answer is not None:
         return answer
-    for rate_gave_way, torque in ((False, source.torque), (True, source.torque_limit)):
+    stages = [(source.torque, qp.hard_start), (source.torque_limit, qp.hard_start)]
+    if qp.bounds_end > qp.hard_start:
+        stages.append((source.torque_limit, qp.bounds_end))
+    for torque, soft in stages:
         qp = build_qp(reduced, parametrization, *cost, torque)
-        softened = soften(qp, settings.slack_weight)
+        softened = soften(qp, soft, settings.slack_weight)
         answer = _accept(reduced, parametrization, qp, *solver.solve_checked(softened))
         if answer is not None:
-            return answer._replace(status=SolutionStatus.RELAXED, rate_gave_way=rate_gave_way)
+            return answer._replace(
+                status=SolutionStatus.RELAXED, rate_gave_way=torque is not source.torque
+            )
     nothing = np.full(reduced.torque_offset.shape[0], np.nan)
     return Solution(
         np.full(source.bias.shape[0], np.nan), np.zeros(0), nothing, SolutionStatus.FAILED, True
@@ -102,8 +128,9 @@ def _accept(
         return None
     source = reduced.source
     s = result.x[: parametrization.acceleration_factor.shape[1]]
-    force, rows_slack = np.zeros(0), None
-    if source.contacts is None:
+    force, rows_slack, force_slack = np.zeros(0), None, None
+    contacts = source.contacts
+    if contacts is None:
         x, tau = box_answer(
             s,
             parametrization.acceleration,
@@ -116,6 +143,8 @@ def _accept(
         force = parametrization.force + parametrization.force_factor @ s
         x = reduced.accelerations(y)
         tau = reduced.torque_offset + reduced.torque_matrix @ y + reduced.torque_force @ force
+        push = contacts.force_matrix @ force
+        force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
     if source.rows is not None:
         rows_slack = _excess(source.rows.matrix @ x, source.rows.lower, source.rows.upper)
     return Solution(
@@ -129,6 +158,7 @@ def _accept(
         result.iterations,
         _excess(x, source.acceleration.lower, source.acceleration.upper),
         rows_slack,
+        force_slack,
     )
 
 

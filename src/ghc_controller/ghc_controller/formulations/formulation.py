@@ -48,6 +48,9 @@ class FormulationSettings:
                 raise InvalidValue(f"{name} = {value} given, a positive number expected")
 
 
+NO_FORCE = np.zeros(0)
+
+
 class SolutionStatus(Enum):
     """How the torque came about; the numbers of ghc_msgs/ControllerState."""
 
@@ -69,12 +72,13 @@ class Solution(NamedTuple):
     iterations: int = 0
     acceleration_slack: Array | None = None  # (n,) by how far the soft box gave way
     rows_slack: Array | None = None  # (r,) by how far the general rows gave way
+    force_slack: Array | None = None  # (r,) by how far the rows on contact forces gave way [N]
     rate_gave_way: bool = False
 
     @classmethod
-    def unbounded(cls, acceleration: Array, torque: Array) -> Solution:
+    def unbounded(cls, acceleration: Array, torque: Array, force: Array = NO_FORCE) -> Solution:
         """The unconstrained optimum of a fixed base, which met every bound."""
-        return cls(acceleration, np.zeros(0), torque, SolutionStatus.SOLVED, qp_solved=False)
+        return cls(acceleration, force, torque, SolutionStatus.SOLVED, qp_solved=False)
 
 
 class Formulation(ABC):

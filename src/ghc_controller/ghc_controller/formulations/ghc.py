@@ -12,8 +12,9 @@ from ghc_controller.formulations.formulation import (
     TorqueRegularization,
 )
 from ghc_controller.formulations.kernels import ghc_factor, ghc_target
-from ghc_controller.formulations.problem import ControlProblem, ReducedProblem, reduce_contacts
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
+from ghc_controller.formulations.reduction import ReducedProblem, reduce_contacts
 from ghc_controller.types import Array
 
 
@@ -51,12 +52,8 @@ class CondensedGhc(Formulation):
             settings.regularization,
             settings.projector.layer_damping,
         )
-        contacts = problem.contacts
-        rows = 0 if contacts is None else contacts.jacobian.shape[0]
-        scale = 1.0
-        if contacts is not None:
-            scale = float(np.sqrt(settings.regularization / contacts.force_weight))
-        parametrization = Parametrization.whitened(x0, factor, rows, scale)
+        scale = float(np.sqrt(settings.regularization))
+        parametrization = Parametrization.whitened(x0, factor, problem.contacts, scale)
         if unweighted:
             return solve_qp(reduced, parametrization, self.solver, settings)
         weighted = _with_torque_cost(reduced, parametrization, settings)

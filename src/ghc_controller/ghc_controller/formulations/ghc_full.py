@@ -7,8 +7,9 @@ import numpy as np
 from ghc_controller.formulations.bounded_qp import solve_qp
 from ghc_controller.formulations.formulation import Formulation, Solution, TorqueRegularization
 from ghc_controller.formulations.ghc import torque_reference
-from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
+from ghc_controller.formulations.reduction import reduce_contacts
 from ghc_controller.hierarchy.projector import generalized_projectors
 
 
@@ -39,18 +40,18 @@ class FullGhc(Formulation):
             gradient[block] = -rows.T @ reduced.target[problem.starts[i] : problem.starts[i + 1]]
         acceleration_factor = np.zeros((d, size))
         acceleration_factor[:, : k * d] = np.hstack(list(projectors))
-        force_factor = np.zeros((contact_rows, size))
-        force_factor[:, k * d :] = np.eye(contact_rows)
-        if problem.contacts is not None:
-            hessian[k * d :, k * d :] = problem.contacts.force_weight * np.eye(contact_rows)
+        force_factor, center = np.zeros((contact_rows, size)), np.zeros(contact_rows)
+        if problem.contacts is not None:  # variables F^-1 (f - f_0)
+            hessian[k * d :, k * d :] = np.eye(contact_rows)
+            force_factor[:, k * d :] = problem.contacts.force_factor
+            center = problem.contacts.force_center
         if settings.torque_regularization is not TorqueRegularization.NONE:
             tau_factor = (
                 reduced.torque_matrix @ acceleration_factor + reduced.torque_force @ force_factor
             )
-            offset = reduced.torque_offset - torque_reference(reduced, settings)
+            offset = reduced.torque_offset + reduced.torque_force @ center
+            offset = offset - torque_reference(reduced, settings)
             hessian += settings.torque_weight * tau_factor.T @ tau_factor
             gradient += settings.torque_weight * tau_factor.T @ offset
-        parametrization = Parametrization(
-            np.zeros(d), acceleration_factor, np.zeros(contact_rows), force_factor
-        )
+        parametrization = Parametrization(np.zeros(d), acceleration_factor, center, force_factor)
         return solve_qp(reduced, parametrization, self.solver, settings, hessian, gradient)

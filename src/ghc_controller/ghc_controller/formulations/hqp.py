@@ -8,8 +8,9 @@ import numpy as np
 
 from ghc_controller.formulations.bounded_qp import solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution, SolutionStatus
-from ghc_controller.formulations.problem import ControlProblem, ReducedProblem, reduce_contacts
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
+from ghc_controller.formulations.reduction import ReducedProblem, reduce_contacts
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array, Bounds
@@ -44,11 +45,8 @@ class Hqp(Formulation):
             hessian = local.T @ local + settings.regularization * np.eye(null.shape[1])
             factor = inverse_factor(hessian)
             best = factor @ (factor.T @ (local.T @ (target - rows @ y)))
-            contacts = problem.contacts
-            forces = 0 if contacts is None else contacts.jacobian.shape[0]
-            scale = 1.0 if contacts is None else float(1.0 / np.sqrt(contacts.force_weight))
             parametrization = Parametrization.whitened(
-                y + null @ best, np.ascontiguousarray(null @ factor), forces, scale
+                y + null @ best, np.ascontiguousarray(null @ factor), problem.contacts
             )
             found = solve_bounded(reduced, parametrization, self.solver, settings)
             if found.status is SolutionStatus.FAILED:
@@ -61,6 +59,7 @@ class Hqp(Formulation):
                 qp_solved=found.qp_solved or (answer is not None and answer.qp_solved),
                 acceleration_slack=first_slack.acceleration_slack,
                 rows_slack=first_slack.rows_slack,
+                force_slack=first_slack.force_slack,
             )
             y = _reduced(reduced, found.acceleration)
             reduced = _keep_feasible(reduced, found)

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
-
-import numpy as np
 
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.directions import Starts
@@ -14,17 +11,23 @@ from ghc_controller.types import Array, Bounds
 
 @dataclass(frozen=True, slots=True)
 class ContactRows:
-    """Rigid contacts: J_c x = drift_target, with forces f acting through J_c^T.
+    """Rigid contacts: J x = drift_target (thesis, eq. 5.1), with forces f acting through J_f^T.
 
-    c = rows of all contacts, r = rows on their forces (friction cones, force bounds).
+    q = motion rows, c = force coordinates, r = rows on the forces: the first `bounds` of them are
+    normal force bounds (eq. 5.5), which give way before anything else of a contact, then friction
+    cones (eq. 5.3). Cost on the forces: 1/2 (f - f_0)^T H_f (f - f_0), beside the tasks.
     """
 
-    jacobian: Array  # (c, n)
-    drift_target: Array  # (c,) = -dJ_c/dt v: the acceleration that keeps the contacts still
+    jacobian: Array  # (q, n) J
+    drift_target: Array  # (q,) -dJ/dt v, and what stops a contact that slides
+    force_jacobian: Array  # (c, n) J_f
     force_matrix: Array  # (r, c)
     force_lower: Array  # (r,) [N]
     force_upper: Array  # (r,) [N]
-    force_weight: float = 1e-4  # [-] on |f|^2, beside the unit weight of the tasks
+    force_center: Array  # (c,) [N] f_0
+    force_factor: Array  # (c, c) F with F F^T = H_f^-1
+    names: tuple[str, ...]  # (r,)
+    bounds: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,72 +85,3 @@ class ControlProblem:
                 raise WrongSize(f"control problem: {name}", given, wanted)
         if self.starts[-1] != m:
             raise InvalidValue(f"starts end at row {self.starts[-1]}, the Jacobian has {m} rows")
-
-
-class ReducedProblem(NamedTuple):
-    """The control problem in accelerations y that keep every contact: x = offset + basis y.
-
-    Without contacts basis = I and offset = 0 and nothing is copied. d = number of y, c of forces.
-    """
-
-    jacobian: Array  # (m, d) J Z
-    target: Array  # (m,) b - J x_c
-    basis: Array | None  # (n, d) Z, orthonormal null space of J_c; None = identity
-    offset: Array | None  # (n,) x_c; None = zero
-    torque_matrix: Array  # (a, d) tau = torque_matrix y + torque_offset + torque_force f
-    torque_offset: Array  # (a,)
-    torque_force: Array  # (a, c) -J_c^T of the joints
-    balance_matrix: Array  # (u, d) unactuated rows: balance_matrix y + balance_force f = rhs
-    balance_force: Array  # (u, c)
-    balance_target: Array  # (u,)
-    source: ControlProblem
-
-    def accelerations(self, y: Array) -> Array:
-        """(n,) x of reduced accelerations y (d,)."""
-        if self.basis is None or self.offset is None:
-            return y
-        return self.offset + self.basis @ y
-
-
-def reduce_contacts(problem: ControlProblem, rank_tolerance: float = 1e-9) -> ReducedProblem:
-    """Remove the accelerations that would break a contact (thesis, eq. 5.3).
-
-    Projectors and task variables then live in the null space of J_c, so that a task of high
-    priority is never asked to move a contact.
-    """
-    u, contacts = problem.unactuated, problem.contacts
-    if contacts is None:
-        n = problem.bias.shape[0]
-        return ReducedProblem(
-            problem.jacobian,
-            problem.target,
-            None,
-            None,
-            problem.mass_matrix[u:],
-            problem.bias[u:],
-            np.zeros((n - u, 0)),
-            problem.mass_matrix[:u],
-            np.zeros((u, 0)),
-            -problem.bias[:u],
-            problem,
-        )
-    left, sigma, right = np.linalg.svd(contacts.jacobian, full_matrices=True)
-    rank = int(np.sum(sigma > rank_tolerance * max(sigma[0], 1e-300))) if sigma.size else 0
-    offset = right[:rank].T @ ((left[:, :rank].T @ contacts.drift_target) / sigma[:rank])
-    basis = np.ascontiguousarray(right[rank:].T)
-    torque_matrix = problem.mass_matrix @ basis
-    torque_offset = problem.bias + problem.mass_matrix @ offset
-    force = -contacts.jacobian.T
-    return ReducedProblem(
-        np.ascontiguousarray(problem.jacobian @ basis),
-        problem.target - problem.jacobian @ offset,
-        basis,
-        offset,
-        torque_matrix[u:],
-        torque_offset[u:],
-        force[u:],
-        torque_matrix[:u],
-        force[:u],
-        -torque_offset[:u],
-        problem,
-    )

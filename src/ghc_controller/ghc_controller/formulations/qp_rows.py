@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ghc_controller.formulations.box_kernels import box_rows, normalize_rows
-from ghc_controller.formulations.problem import ReducedProblem
+from ghc_controller.formulations.problem import ContactRows
+from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.qp import QpProblem
 from ghc_controller.types import Array, Bounds
 
@@ -22,26 +23,29 @@ class Parametrization(NamedTuple):
 
     @classmethod
     def whitened(
-        cls, acceleration: Array, factor: Array, contact_rows: int, force_scale: float
+        cls, acceleration: Array, factor: Array, contacts: ContactRows | None, scale: float = 1.0
     ) -> Parametrization:
-        """Accelerations whitened by `factor` (d, r), forces by one scale: cost 1/2 |s|^2."""
-        if contact_rows == 0:
+        """Accelerations whitened by `factor` (d, r), forces by their own: cost 1/2 |s|^2.
+
+        `scale` is the root of the weight on all task errors, where that is not one.
+        """
+        if contacts is None:
             none = np.zeros((0, factor.shape[1]))
             return cls(acceleration, factor, np.zeros(0), none)
         d, r = factor.shape
-        return cls(
-            acceleration,
-            np.hstack([factor, np.zeros((d, contact_rows))]),
-            np.zeros(contact_rows),
-            np.hstack([np.zeros((contact_rows, r)), force_scale * np.eye(contact_rows)]),
-        )
+        c = contacts.force_center.shape[0]
+        acceleration_factor, force_factor = np.zeros((d, r + c)), np.zeros((c, r + c))
+        acceleration_factor[:, :r] = factor
+        force_factor[:, r:] = scale * contacts.force_factor
+        return cls(acceleration, acceleration_factor, contacts.force_center, force_factor)
 
 
 class SoftQp(NamedTuple):
-    """A QP with normalised rows; rows before `hard_start` may give way."""
+    """A QP with normalised rows; those before `hard_start` may give way, then the force bounds."""
 
     problem: QpProblem
     hard_start: int
+    bounds_end: int  # end of the normal force bounds, which follow
     row_norm: Array  # (r,) norms by which the rows were divided
 
 
@@ -52,7 +56,7 @@ def build_qp(
     gradient: Array,
     torque: Bounds,
 ) -> SoftQp:
-    """Rows on s: acceleration box, general rows (both soft); torque box, force rows (hard).
+    """Rows on s: acceleration box, general rows (both soft), force bounds, cones, torque box.
 
     Args:
         hessian: (p, p). gradient: (p,).
@@ -60,7 +64,7 @@ def build_qp(
     """
     source, factor = reduced.source, parametrization.acceleration_factor
     if source.contacts is None and source.rows is None:
-        hard_start = factor.shape[0]
+        hard_start = bounds_end = factor.shape[0]
         rows, lower, upper, norm = box_rows(
             parametrization.acceleration,
             factor,
@@ -74,8 +78,10 @@ def build_qp(
     else:
         rows, lower, upper, hard_start = _all_rows(reduced, parametrization, torque)
         norm = normalize_rows(rows, lower, upper)
+        contacts = source.contacts
+        bounds_end = hard_start + (0 if contacts is None else contacts.bounds)
     problem = QpProblem(hessian, gradient, *_balance(reduced, parametrization), rows, lower, upper)
-    return SoftQp(problem, hard_start, norm)
+    return SoftQp(problem, hard_start, bounds_end, norm)
 
 
 def _all_rows(
@@ -97,6 +103,11 @@ def _all_rows(
         lower.append(source.rows.lower - value)
         upper.append(source.rows.upper - value)
     hard_start = sum(block.shape[0] for block in blocks)
+    if source.contacts is not None:
+        value = source.contacts.force_matrix @ parametrization.force
+        blocks.append(source.contacts.force_matrix @ parametrization.force_factor)
+        lower.append(source.contacts.force_lower - value)
+        upper.append(source.contacts.force_upper - value)
     tau = reduced.torque_offset + reduced.torque_matrix @ parametrization.acceleration
     tau = tau + reduced.torque_force @ parametrization.force
     blocks.append(
@@ -104,11 +115,6 @@ def _all_rows(
     )
     lower.append(torque.lower - tau)
     upper.append(torque.upper - tau)
-    if source.contacts is not None:
-        value = source.contacts.force_matrix @ parametrization.force
-        blocks.append(source.contacts.force_matrix @ parametrization.force_factor)
-        lower.append(source.contacts.force_lower - value)
-        upper.append(source.contacts.force_upper - value)
     return np.vstack(blocks), np.concatenate(lower), np.concatenate(upper), hard_start
 
 
@@ -126,9 +132,9 @@ def _balance(reduced: ReducedProblem, parametrization: Parametrization) -> tuple
     return matrix, target
 
 
-def soften(qp: SoftQp, slack_weight: float) -> QpProblem:
-    """The same QP with a slack on every soft row, scaled so that its cost is 1/2 |slack|^2."""
-    problem, soft = qp.problem, qp.hard_start
+def soften(qp: SoftQp, soft: int, slack_weight: float) -> QpProblem:
+    """The same QP with a slack on the first `soft` rows, scaled so that it costs 1/2 |slack|^2."""
+    problem = qp.problem
     p, r = problem.g.shape[0], problem.l.shape[0]
     hessian = np.eye(p + soft)
     hessian[:p, :p] = problem.H

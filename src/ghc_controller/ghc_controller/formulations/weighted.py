@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ghc_controller.formulations.bounded_qp import solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.kernels import weighted_system
-from ghc_controller.formulations.problem import ControlProblem, reduce_contacts
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
+from ghc_controller.formulations.reduction import reduce_contacts
 from ghc_controller.small_factors import inverse_factor
 
 
@@ -34,8 +33,5 @@ class Weighted(Formulation):
         )
         factor = inverse_factor(hessian)
         target = factor @ (factor.T @ right)
-        contacts = problem.contacts
-        rows = 0 if contacts is None else contacts.jacobian.shape[0]
-        scale = 1.0 if contacts is None else float(1.0 / np.sqrt(contacts.force_weight))
-        parametrization = Parametrization.whitened(target, factor, rows, scale)
+        parametrization = Parametrization.whitened(target, factor, problem.contacts)
         return solve_bounded(reduced, parametrization, self.solver, settings)

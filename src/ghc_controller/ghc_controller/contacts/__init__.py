@@ -1,0 +1,17 @@
+"""Contacts: what stays still, which forces it may carry, and the bounds that generators plan."""
+
+from ghc_controller.contacts.bounds_in_force import BoundsInForce, NormalBounds
+from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus
+from ghc_controller.contacts.contact import Contact, ContactForceTask, OnStale
+from ghc_controller.contacts.contact_set import ContactSet
+
+__all__ = [
+    "BoundsInForce",
+    "Contact",
+    "ContactForceTask",
+    "ContactSet",
+    "ForceBoundsPlan",
+    "NormalBounds",
+    "OnStale",
+    "PlanStatus",
+]

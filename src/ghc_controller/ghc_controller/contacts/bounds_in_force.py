@@ -1,0 +1,83 @@
+"""Which normal force bounds hold now: those of the generator's plan, or of the robot's file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ghc_controller.contacts.bounds_plan import ForceBoundsPlan
+from ghc_controller.contacts.contact import Contact, OnStale
+from ghc_controller.errors import UnknownName
+from ghc_controller.types import Array
+
+_AGE_TOLERANCE = 1e-9  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class NormalBounds:
+    """F_lower <= F_n <= F_upper of every contact (thesis, eq. 5.5), and which contacts are on."""
+
+    lower: Array  # (c,) [N]
+    upper: Array  # (c,) [N]
+    active: tuple[bool, ...]  # (c,)
+    stale: tuple[str, ...]  # contacts whose plan has ended
+
+
+class BoundsInForce:
+    """Follows the newest plan; a contact that it leaves out keeps what the robot's file says.
+
+    After the end of a plan each contact holds its last bounds or is released, as `on_stale`
+    says. Whether a contact is on does not change without a plan: one that carries the robot is
+    never switched off because its generator is silent.
+    """
+
+    def __init__(self, contacts: Sequence[Contact]) -> None:
+        self._contacts = tuple(contacts)
+        self._names = [contact.name for contact in self._contacts]
+        self._file = (
+            np.array([contact.force_lower for contact in self._contacts]),
+            np.array([contact.force_upper for contact in self._contacts]),
+        )
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the plan."""
+        self._plan: ForceBoundsPlan | None = None
+        self._places: list[int] = []
+        self._active = [contact.active for contact in self._contacts]
+
+    def follow(self, plan: ForceBoundsPlan) -> None:
+        """Take a plan over.
+
+        Raises:
+            UnknownName: it names a contact that the robot does not have.
+        """
+        for name in plan.contacts:
+            if name not in self._names:
+                raise UnknownName("contact", name, self._names)
+        self._plan = plan
+        self._places = [self._names.index(name) for name in plan.contacts]
+        for place, on in zip(self._places, plan.in_contact, strict=True):
+            self._active[place] = on
+
+    def at(self, time: float) -> NormalBounds:
+        """Bounds at `time` [s]."""
+        lower, upper = self._file[0].copy(), self._file[1].copy()
+        stale: tuple[str, ...] = ()
+        plan = self._plan
+        if plan is not None and plan.contacts:
+            values = plan.at(time)
+            ended = time > plan.valid_until + _AGE_TOLERANCE
+            if ended:
+                stale = plan.contacts
+            for k, place in enumerate(self._places):
+                if not ended or self._contacts[place].on_stale is OnStale.HOLD:
+                    lower[place], upper[place] = values[0][k], values[1][k]
+        return NormalBounds(lower, upper, tuple(self._active), stale)
+
+    @property
+    def planned(self) -> tuple[str, ...]:
+        """Contacts that a generator has bounded, order of the plan."""
+        return () if self._plan is None else self._plan.contacts

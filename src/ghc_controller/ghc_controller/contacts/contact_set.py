@@ -1,0 +1,175 @@
+"""The contacts that are on, as rows of the control problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ghc_controller.contacts.bounds_in_force import NormalBounds
+from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.kernels import point_motion, point_rows
+from ghc_controller.errors import InvalidValue
+from ghc_controller.formulations import ContactRows
+from ghc_controller.reference_schedule import ReferenceSchedule
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.small_factors import inverse_factor
+from ghc_controller.types import Array
+
+_FORCE_WEIGHT = 1e-4  # [-] on |f|^2, beside the unit weight of task accelerations
+_STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
+_PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """What stays the same while the same contacts are on; q, c and r as in ContactRows."""
+
+    places: tuple[int, ...]  # of the contacts that are on
+    motion: tuple[slice, ...]  # their rows in q
+    force: tuple[slice, ...]  # their entries in c
+    force_matrix: Array  # (r, c)
+    lower: Array  # (r,)
+    upper: Array  # (r,)
+    names: tuple[str, ...]  # (r,)
+    normals: Array  # (contacts on, c) sums of their normal forces
+
+
+class ContactSet:
+    """All contacts of a robot; which of them are on may change from tick to tick."""
+
+    def __init__(self, contacts: Sequence[Contact]) -> None:
+        """Take contacts in the order of the robot's file.
+
+        Raises:
+            InvalidValue: two share a name.
+        """
+        self.contacts = tuple(contacts)
+        self.names = tuple(contact.name for contact in self.contacts)
+        for name in self.names:
+            if self.names.count(name) > 1:
+                raise InvalidValue(f"contact name '{name}' is given twice; names must differ")
+        self._layouts: dict[tuple[bool, ...], _Layout] = {}
+
+    def rows(
+        self,
+        model: RobotModel,
+        bounds: NormalBounds,
+        references: ReferenceSchedule,
+        time: float,
+    ) -> ContactRows | None:
+        """Rows of the contacts that are on at the last `model.update`; None without any.
+
+        Args:
+            references: of the force tasks, by the name of the contact.
+            time: [s].
+        """
+        if not any(bounds.active):
+            return None
+        layout = self._layouts.get(bounds.active)
+        if layout is None:
+            layout = self._layouts[bounds.active] = _layout(self.contacts, bounds.active)
+        q, c = layout.motion[-1].stop, layout.force[-1].stop
+        force_jacobian = np.empty((c, model.nv))
+        jacobian, drift_target = np.empty((q, model.nv)), np.empty(q)
+        for k, place in enumerate(layout.places):
+            contact = self.contacts[place]
+            frame = model.frame(contact.frame_id)
+            axes, points = contact.force_axes, contact.points
+            rows = force_jacobian[layout.force[k]]
+            point_rows(frame.rotation, frame.jacobian, points, axes, rows)
+            motion = layout.motion[k]
+            motions = (frame.rotation, frame.velocity, frame.drift)
+            if contact.is_surface:
+                jacobian[motion] = frame.jacobian
+                drift_target[motion] = -frame.drift - _STOPPING_RATE * frame.velocity
+            else:
+                jacobian[motion] = rows
+                point_motion(*motions, points, axes, _STOPPING_RATE, drift_target[motion])
+        count = len(layout.places)
+        lower, upper = layout.lower.copy(), layout.upper.copy()
+        lower[:count] = bounds.lower[list(layout.places)]
+        upper[:count] = np.maximum(bounds.upper[list(layout.places)], 0.0)
+        np.minimum(lower[:count], upper[:count], out=lower[:count])
+        center, factor = self._force_cost(layout, references, time)
+        return ContactRows(
+            jacobian,
+            drift_target,
+            force_jacobian,
+            layout.force_matrix,
+            lower,
+            upper,
+            center,
+            factor,
+            layout.names,
+            count,
+        )
+
+    def normal_forces(self, active: tuple[bool, ...], force: Array) -> Array:
+        """Normal force [N] of every contact, zero where it is off, of forces (c,) of the QP."""
+        normal = np.zeros(len(self.contacts))
+        layout = self._layouts.get(active)
+        if layout is not None and force.shape[0]:
+            normal[list(layout.places)] = layout.normals @ force
+        return normal
+
+    def _force_cost(
+        self, layout: _Layout, references: ReferenceSchedule, time: float
+    ) -> tuple[Array, Array]:
+        """Centre (c,) and factor (c, c) of the cost on forces, as in ContactRows."""
+        c = layout.force[-1].stop
+        hessian, pull = _FORCE_WEIGHT * np.eye(c), np.zeros(c)
+        for k, place in enumerate(layout.places):
+            task = self.contacts[place].force_task
+            if task is None:
+                continue
+            target = references.current(task.name, time)
+            weight = task.weight * min(max(float(target.position[0]), 0.0), 1.0)
+            if target.wrench is not None and weight > 0.0:
+                normal = layout.normals[k]
+                hessian += weight * np.outer(normal, normal)
+                pull += weight * target.wrench[0] * normal
+        factor = inverse_factor(hessian)
+        return factor @ (factor.T @ pull), factor
+
+
+def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
+    places = tuple(place for place, on in enumerate(active) if on)
+    motion, force, names = [], [], []
+    q = c = 0
+    for place in places:
+        contact = contacts[place]
+        size = contact.points.shape[0] * contact.force_axes.shape[0]
+        motion.append(slice(q, q + contact.motion_rows))
+        force.append(slice(c, c + size))
+        names.append(f"contact.{contact.name}")
+        q, c = motion[-1].stop, force[-1].stop
+    normals = np.zeros((len(places), c))
+    cones: list[Array] = []
+    for k, place in enumerate(places):
+        contact = contacts[place]
+        step = contact.force_axes.shape[0]
+        normals[k, force[k].start + step - 1 : force[k].stop : step] = 1.0
+        for point in range(contact.points.shape[0]):
+            first = force[k].start + point * step
+            cones.append(_cone(contact.friction, first, c))
+            names += [f"contact.{contact.name}.friction"] * cones[-1].shape[0]
+    matrix = np.vstack([normals, *cones])
+    lower, upper = np.full(matrix.shape[0], -np.inf), np.zeros(matrix.shape[0])
+    return _Layout(
+        places, tuple(motion), tuple(force), matrix, lower, upper, tuple(names), normals
+    )
+
+
+def _cone(friction: float, first: int, c: int) -> Array:
+    """Rows at most 0 (thesis, eq. 5.3) of one point: a pyramid, or only -F_n without friction."""
+    if friction == 0.0:
+        rows = np.zeros((1, c))
+        rows[0, first] = -1.0
+        return rows
+    rows = np.zeros((4, c))
+    for k, (axis, sign) in enumerate(((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0))):
+        rows[k, first + axis] = sign
+        rows[k, first + 2] = -friction / _PYRAMID
+    return rows

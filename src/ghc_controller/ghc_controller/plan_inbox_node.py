@@ -1,0 +1,100 @@
+"""The part of the controller node that listens to the constraint generators.
+
+Subscribes constraints/contact_force_bounds (ghc_msgs/ContactForceBounds),
+           constraints/obstacle_motion (ghc_msgs/ObstacleStateArray): one plan a tick each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+from ghc_msgs.msg import ContactForceBounds, ObstacleStateArray
+
+from ghc_controller.controller import Controller
+from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.plan_conversions import (
+    force_bounds_from_message,
+    obstacle_motion_from_message,
+)
+from ghc_controller.ros_conversions import NANOSECONDS, nanoseconds_from_time
+
+FORCE_BOUNDS, OBSTACLE_MOTION = "contact_force_bounds", "obstacle_motion"
+PLANS: dict[str, type] = {FORCE_BOUNDS: ContactForceBounds, OBSTACLE_MOTION: ObstacleStateArray}
+
+SILENCE = 0.1  # [s] of the robot's time; a generator plans every 10 ms
+
+Message: TypeAlias = "ContactForceBounds | ObstacleStateArray"
+
+
+class PlanInbox:
+    """Keeps the newest plan of each generator until a state of its epoch is answered.
+
+    A plan that cannot be used is refused as a whole, and the one before stays in force.
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        received: Callable[[str, int, int], None],
+        reject: Callable[[str, str], None],
+    ) -> None:
+        """Hand plans to `controller`.
+
+        Args:
+            received: told the name of a plan, its stamp [ns] and its epoch.
+            reject: told the field and the reason of a refusal.
+        """
+        self._controller = controller
+        self._received = received
+        self._reject = reject
+        self._newest: dict[str, tuple[int, Message]] = {}
+        self._followed: dict[str, float] = {}  # name -> [s] stamp of the plan in force
+        self._ends: dict[str, float] = {}  # name -> [s] end of the plan in force
+
+    def take(self, name: str, message: Message) -> None:
+        """Keep a message for the next state."""
+        topic, epoch = f"constraints/{name}", message.header.frame_id
+        if epoch and not epoch.isdecimal():
+            self._reject(f"{topic}.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
+            return
+        self._newest[name] = (int(epoch or 0), message)
+        self._received(name, nanoseconds_from_time(message.header.stamp), int(epoch or 0))
+
+    def hand_over(self, epoch: int) -> None:
+        """Let the controller follow the plans of this epoch that came since the last state."""
+        for name in [name for name, (of, _) in self._newest.items() if of <= epoch]:
+            of, message = self._newest.pop(name)
+            if of != epoch:
+                continue
+            try:
+                self._follow(message)
+            except GhcError as error:
+                self._reject(f"constraints/{name}", str(error))
+            else:
+                stamp_ns = nanoseconds_from_time(message.header.stamp)
+                self._followed[name] = stamp_ns / NANOSECONDS
+                end_ns = nanoseconds_from_time(message.valid_until)
+                self._ends[name] = end_ns / NANOSECONDS
+
+    def forget(self) -> None:
+        """Time starts again: no plan is in force."""
+        self._followed.clear()
+
+    def silent(self, now: float) -> str:
+        """Which generators have not been heard for a while at `now` [s], and what holds then."""
+        complaints = []
+        for name, stamp in self._followed.items():
+            if now - stamp > SILENCE:
+                what = "following it" if now <= self._ends[name] else "it has ended: bounds held"
+                complaints.append(f"constraints/{name}: last plan {now - stamp:.2f} s old, {what}")
+        return "; ".join(complaints)
+
+    def _follow(self, message: Message) -> None:
+        controller = self._controller
+        if not message.step > 0.0:
+            raise InvalidValue(f"step {message.step} s given, more than 0 expected")
+        if isinstance(message, ContactForceBounds):
+            controller.force_bounds.follow(force_bounds_from_message(message))
+        else:
+            controller.obstacles.follow(obstacle_motion_from_message(message))

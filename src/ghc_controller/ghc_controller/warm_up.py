@@ -1,0 +1,61 @@
+"""Compile and load every kernel of a controller, so that no tick takes longer for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ghc_controller.contacts import ForceBoundsPlan, PlanStatus
+from ghc_controller.reference import ReferenceTrajectory
+from ghc_controller.robot_model import RobotModel
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Bounds, RobotState
+
+if TYPE_CHECKING:
+    from ghc_controller.controller import Controller
+
+
+def warm_up(controller: Controller) -> None:
+    """Make every kind of step once, in contact and at bounds too, and forget it all."""
+    robot, model = controller.robot, controller.model
+    wrenches = {
+        task.force.contact: np.full(6, 10.0 + 10.0 * task.force.threshold)
+        for task in robot.tasks
+        if task.force is not None
+    }
+    model.update(model.q, model.v)
+    for task in robot.tasks:
+        controller.add_reference(_moving_reference(task, model))
+    for on in (False, True):
+        if robot.contacts:
+            controller.force_bounds.follow(_plan(controller.contacts.names, on))
+        for time in (0.0, 0.5):
+            q, v = model.q.copy(), np.zeros(model.nv)
+            q[-model.na :] += 0.1 * time
+            torque = np.zeros(model.na)
+            controller.step(RobotState(time, q, v, torque, wrenches))
+    problem = controller.problem()
+    bias = problem.bias[problem.unactuated :]
+    tight = Bounds(bias - 1e-3, bias + 1e-3)
+    controller.formulation.solve(replace(problem, torque=tight))
+    controller.sigma_min_of(controller.priorities.alpha)
+    controller.reset()
+
+
+def _plan(contacts: tuple[str, ...], on: bool) -> ForceBoundsPlan:
+    c = len(contacts)
+    lower, upper = np.zeros((c, 2)), np.full((c, 2), 1e3)
+    flags = (on,) * c
+    return ForceBoundsPlan(
+        0.0, 1.0, contacts, lower, upper, flags, (PlanStatus.RAW,) * c, (False,) * c, False
+    )
+
+
+def _moving_reference(task: Task, model: RobotModel) -> ReferenceTrajectory:
+    """A reference of one second that uses every kind of interpolation of a task."""
+    position = np.stack([task.current(model)] * 2)
+    zeros = np.zeros((2, task.size))
+    wrench = None if task.force is None else zeros + 1.0
+    return ReferenceTrajectory.for_task(task, np.array([0.0, 1.0]), position, zeros, zeros, wrench)
