@@ -50,7 +50,9 @@ def test_every_node_and_every_message_on_a_topic_has_a_table() -> None:
 def _own_parts(message: str) -> set[str]:
     """Messages that a message is made of, in the documents so far."""
     text = (MESSAGES / f"{message}.msg").read_text(encoding="utf-8")
-    return set(re.findall(r"^(?:ghc_msgs/)?(Task\w+|NamedCount|ObstacleState)\[\]", text, re.MULTILINE))
+    return set(
+        re.findall(r"^(?:ghc_msgs/)?(Task\w+|NamedCount|ObstacleState)\[\]", text, re.MULTILINE)
+    )
 
 
 def test_every_executable_is_listed_and_exists() -> None:

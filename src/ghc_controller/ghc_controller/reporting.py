@@ -110,7 +110,7 @@ def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
             size = _ACTIVE * max(abs(push[k]), 1.0)
             if push[k] <= contacts.force_lower[k] + size:
                 names.append(f"{name}.lower")
-            elif push[k] >= contacts.force_upper[k] - size:
+            if push[k] >= contacts.force_upper[k] - size:
                 names.append(f"{name}.upper" if k < contacts.bounds else name)
     if rows is not None:
         value = rows.matrix @ solution.acceleration
