@@ -11,6 +11,7 @@ from random_schedules import random_schedule
 from ghc_controller.errors import GhcError
 from ghc_mpc_constraints.contact_schedule import ContactSchedule, preview
 from ghc_mpc_constraints.preview_model import Horizon
+from ghc_mpc_constraints.schedule_inbox import ScheduleInbox, TimedSchedule
 
 NAN = float("nan")
 BAD: list[tuple[dict[str, Any], list[str]]] = [
@@ -102,3 +103,16 @@ def test_a_newer_schedule_replaces_from_its_first_time_and_the_past_is_dropped()
     late = old.followed_by(ContactSchedule.checked("foot", [0.5], [0], [5]), 1.5)
     assert late.times.tolist() == [0.5]
     assert late.at(1.5) == (0.0, 5.0)
+
+
+def test_several_schedules_wait_side_by_side() -> None:
+    """Latched schedules reach a new generator together: all count, in the order of the times."""
+    inbox = ScheduleInbox(lockstep=False)
+    schedules = [
+        ContactSchedule.checked("foot", [0.0, 1.0 + k], [0.0, 0.0], [50.0, 10.0]) for k in range(3)
+    ]
+    for schedule, known in zip(schedules, (None, 2.0, 1.0), strict=True):
+        inbox.put(TimedSchedule(schedule, known), 0.0, running=False)
+    assert inbox.due(0.5) == [schedules[0]]
+    assert inbox.due(3.0) == [schedules[2], schedules[1]]
+    assert inbox.due(3.0) == []

@@ -13,7 +13,7 @@ from ghc_controller.types import Array
 from ghc_mpc_constraints.preview_model import STEP_TOLERANCE, Horizon
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ContactSchedule:
     """Bounds i hold from times[i] to times[i + 1], the last ones for ever, the first from ever.
 

@@ -8,7 +8,7 @@ from ghc_controller.errors import InvalidValue
 from ghc_mpc_constraints.contact_schedule import ContactSchedule
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TimedSchedule:
     """A schedule and the time from which the generator may look at it."""
 
