@@ -8,11 +8,13 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import WrenchStamped
+from ghc_msgs.msg import ObstacleState, ObstacleStateArray
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
+from ghc_sim_bridge.obstacle_sensor import ObstacleReading
 from ghc_sim_bridge.state_cdr import NANOSECONDS
 
 Array = NDArray[np.float64]
@@ -85,6 +87,21 @@ def wrench_from_message(message: WrenchStamped) -> Array:
     """Force [N] and torque [Nm], (6,)."""
     force, torque = message.wrench.force, message.wrench.torque
     return np.array([force.x, force.y, force.z, torque.x, torque.y, torque.z])
+
+
+def obstacles_message(
+    stamp_ns: int, frame: str, readings: Sequence[ObstacleReading]
+) -> ObstacleStateArray:
+    """What the obstacle sensor has at `stamp_ns` [ns], in axes of `frame`; raw fields only."""
+    message = ObstacleStateArray()
+    message.header.stamp = time_from_nanoseconds(stamp_ns)
+    message.header.frame_id = frame
+    for reading in readings:
+        entry = ObstacleState(id=reading.id, protected_frame=reading.protected_frame)
+        entry.position[:], entry.normal[:] = reading.position, reading.normal
+        entry.distance, entry.safe_distance = reading.distance, reading.safe_distance
+        message.obstacles.append(entry)
+    return message
 
 
 def diagnostics_message(

@@ -11,13 +11,21 @@ from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robots import find_robot
+from ghc_sim_bridge.obstacle_fields import read_obstacle, read_sensor_period
 from ghc_sim_bridge.scene_fields import read_camera, read_contact, read_surface, read_vector
-from ghc_sim_bridge.scene_values import Camera, Contact, SceneDescription, Surface
+from ghc_sim_bridge.scene_values import (
+    Camera,
+    Contact,
+    Obstacle,
+    SceneDescription,
+    Surface,
+)
 from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
 __all__ = [
     "Camera",
     "Contact",
+    "Obstacle",
     "SceneDescription",
     "Surface",
     "find_scene",
@@ -69,11 +77,14 @@ def load_scene(scene: str | Path) -> SceneDescription:
         surfaces=tuple(read_surface(entry) for entry in fields.items("surfaces", ())),
         contacts=tuple(read_contact(entry) for entry in fields.items("contacts", ())),
         camera=read_camera(fields.section("camera")),
+        obstacles=tuple(read_obstacle(entry) for entry in fields.items("obstacles", ())),
+        sensor_period=read_sensor_period(fields),
     )
     fields.close()
     for what, entries in (
         ("surfaces", [surface.name for surface in description.surfaces]),
         ("contacts", [contact.name for contact in description.contacts]),
+        ("obstacles", [obstacle.id for obstacle in description.obstacles]),
     ):
         if len(set(entries)) < len(entries):
             raise fields.error(what, f"names must differ, given: {', '.join(entries)}")

@@ -1,4 +1,4 @@
-"""What a scene adds to a robot, as frozen values: surroundings, contacts, a camera."""
+"""What a scene adds to a robot, as frozen values: surroundings, contacts, obstacles, a camera."""
 
 from __future__ import annotations
 
@@ -49,6 +49,25 @@ class Camera:
 
 
 @dataclass(frozen=True)
+class Sighting:
+    """Where an obstacle is from one time on."""
+
+    time: float  # [s] simulated
+    position: Vector | None  # [m] world, the point closest to the robot; None = not seen
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Something that comes near one frame of the robot, in jumps."""
+
+    id: str
+    protected_frame: str
+    safe_distance: float  # [m] to be kept
+    normal: Vector | None  # unit, to the frame: a plane through the positions; None = a point
+    track: tuple[Sighting, ...]  # increasing times; not seen before the first one
+
+
+@dataclass(frozen=True)
 class SceneDescription:
     """One scene file, checked."""
 
@@ -61,3 +80,5 @@ class SceneDescription:
     surfaces: tuple[Surface, ...]
     contacts: tuple[Contact, ...]
     camera: Camera
+    obstacles: tuple[Obstacle, ...] = ()
+    sensor_period: float | None = None  # [s] of the obstacle sensor; None = there is none

@@ -2,7 +2,8 @@
 
 Publishes  joint_states (stamp = simulated time, frame_id = epoch, effort = torque applied over the
            last period [Nm]), contacts/<name> (force of the surroundings on the robot, world axes,
-           same stamp, sent before), /clock, /diagnostics.
+           same stamp, sent before), constraints/obstacles (what the scene's obstacle sensor sees,
+           at its own rate, sent before the state of its stamp), /clock, /diagnostics.
 Subscribes joint_commands (stamp = the state that it answers, effort [Nm] by joint name).
 Services   ~/reset (std_srvs/Trigger: start state, next epoch), ~/pause (std_srvs/SetBool).
 Parameters see BridgeParameters.
@@ -12,12 +13,13 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
+from ghc_msgs.msg import ObstacleStateArray
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.duration import Duration
@@ -36,6 +38,7 @@ from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected, stam
 from ghc_sim_bridge.control_cycle import NANOSECONDS, ControlCycle
 from ghc_sim_bridge.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.lockstep_mode import LockstepMode
+from ghc_sim_bridge.obstacle_sensor import ObstacleSensor
 from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.patient_publishing import patient
 from ghc_sim_bridge.realtime_mode import RealtimeMode
@@ -45,11 +48,12 @@ from ghc_sim_bridge.ros_conversions import (
     CONTROL_SUBSCRIBER_QOS,
     LOSSLESS_PUBLISHER_QOS,
     diagnostics_message,
+    obstacles_message,
     read_joint_state,
 )
 from ghc_sim_bridge.run_mode import RunMode
 from ghc_sim_bridge.simulator import Simulator
-from ghc_sim_bridge.state_publisher import Publish, StatePublisher
+from ghc_sim_bridge.state_publisher import WORLD_FRAME, Observe, Publish, StatePublisher
 from ghc_sim_bridge.torque_gate import GatedTorque, TorqueGate
 from ghc_sim_bridge.watchdog import Watchdog
 
@@ -111,7 +115,28 @@ class SimBridge:
             advertise(JointState, "joint_states", qos),
             advertise(Clock, "/clock", qos if p.lossless else CLOCK_QOS),
             {name: advertise(WrenchStamped, f"contacts/{name}", qos) for name in contacts},
+            self._make_observer(advertise, qos),
         )
+
+    def _make_observer(
+        self, advertise: Callable[[type, str, QoSProfile], Publish], qos: QoSProfile
+    ) -> Observe | None:
+        """The obstacle sensor of the scene, as what publishes its readings; None without one."""
+        simulator = self._cycle.simulator
+        scene = simulator.scene
+        if scene.sensor_period is None:
+            return None
+        for obstacle in scene.obstacles:
+            simulator.frame_position(obstacle.protected_frame)  # an unknown one ends the node now
+        sensor = ObstacleSensor(scene.obstacles, scene.sensor_period, simulator.control_dt)
+        publish = advertise(ObstacleStateArray, "constraints/obstacles", qos)
+
+        def observe(cycle: ControlCycle) -> None:
+            if sensor.is_due(cycle.time_ns):
+                readings = sensor.read(cycle.time_ns, simulator.frame_position)
+                publish(obstacles_message(cycle.time_ns, WORLD_FRAME, readings))
+
+        return observe
 
     def _make_mode(self) -> RunMode:
         p, publish = self._parameters, partial(self._publisher.publish, self._cycle)

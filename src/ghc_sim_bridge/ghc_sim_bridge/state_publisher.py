@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from ghc_sim_bridge.control_cycle import ControlCycle
 from ghc_sim_bridge.state_cdr import JointStateEncoder, WrenchEncoder, encode_clock
 
-Publish = Callable[[bytes], None]
+Publish = Callable[[Any], None]  # of serialized bytes or of a message
+Observe = Callable[[ControlCycle], None]  # publishes what a sensor has at the cycle's time, if any
 
 WORLD_FRAME = "world"
 
 
 class StatePublisher:
-    """Contact wrenches first: whoever has a joint state can have the wrenches of its stamp.
+    """Sensors first: whoever has a joint state can have the wrenches and obstacles of its stamp.
 
     The clock comes last because nobody waits for it: the controller works meanwhile.
     """
 
     def __init__(
-        self, joint_states: Publish, clock: Publish, contacts: Mapping[str, Publish]
+        self,
+        joint_states: Publish,
+        clock: Publish,
+        contacts: Mapping[str, Publish],
+        observe: Observe | None = None,
     ) -> None:
         """Where the serialized messages go; `contacts` by contact name, empty for none."""
+        self._observe = observe
         self._joint_states = joint_states
         self._clock = clock
         self._contacts = dict(contacts)
@@ -37,5 +44,7 @@ class StatePublisher:
         stamp, state = cycle.time_ns, cycle.state
         for name, send in self._contacts.items():
             send(self._wrench.encode(stamp, state.wrenches[name]))
+        if self._observe is not None:
+            self._observe(cycle)
         self._joint_states(self._encoder.encode(stamp, state.q, state.v, cycle.simulator.torque))
         self._clock(encode_clock(stamp))
