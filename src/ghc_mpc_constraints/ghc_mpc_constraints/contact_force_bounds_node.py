@@ -48,6 +48,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         self._generator = ContactForceBounds(self.parameters.settings())
         self._inbox = ScheduleInbox(self.parameters.lockstep)
         self._scheduled: set[str] = set()  # contacts with a schedule
+        self._accepted = 0  # schedules, also those that are known later
         self._message = ContactForceBoundsMessage()
         self._plans = self.node.create_publisher(
             ContactForceBoundsMessage, "constraints/contact_force_bounds", PLAN_QOS
@@ -89,7 +90,8 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         """Counts, and how many of them are trouble."""
         counts = self._generator.counts
         trouble = counts["held"] + counts["tightened"] + counts["conflicts"]
-        return {**counts, "second_opinions": self._generator.second_opinions}, trouble
+        more = {"second_opinions": self._generator.second_opinions, "schedules": self._accepted}
+        return {**counts, **more}, trouble
 
     def _on_schedule(self, message: ContactSchedule) -> None:
         self.after_first_state(partial(self._take_schedule, message))
@@ -99,7 +101,9 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         running = self.clock.tick_ns > 0
         try:
             timed = schedule_from_message(message, self.parameters.contacts, now)
-            if self._inbox.put(timed, now, running):
+            known = self._inbox.put(timed, now, running)
+            self._accepted += 1
+            if known:
                 self._scheduled.add(timed.schedule.contact)
                 self.look_again()
         except GhcError as error:

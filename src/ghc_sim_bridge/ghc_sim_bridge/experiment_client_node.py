@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from builtin_interfaces.msg import Duration, Time
+from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import (
+    ContactForceBounds,
+    ContactSchedule,
     ControllerState,
     PriorityMatrix,
     PriorityTransition,
     TaskReference,
-    TaskReferencePoint,
     TransitionStatus,
 )
 from rclpy.context import Context
@@ -23,12 +22,21 @@ from std_srvs.srv import SetBool
 
 from ghc_controller.errors import GhcError
 from ghc_sim_bridge.controller_trace import ControllerTrace
-from ghc_sim_bridge.references import Reference, ReferencePoint
-from ghc_sim_bridge.scenario import PriorityTable
+from ghc_sim_bridge.experiment_conversions import (
+    ScriptedTransition,
+    reference_message,
+    schedule_message,
+    to_seconds,
+    transition_message,
+)
+from ghc_sim_bridge.generator_script import ScriptedSchedule
+from ghc_sim_bridge.references import Reference
 
 STATE_TOPIC = "joint_states"
 REFERENCE_TOPIC = "ghc/task_reference"
 TRANSITION_TOPIC = "ghc/priority_transition"
+SCHEDULE_TOPIC = "constraints/contact_schedule"
+OBSTACLE_TOPIC = "constraints/obstacles"
 
 _LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 _STREAM = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -38,21 +46,16 @@ _LATCHED = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
+# One message a contact: as many are kept for a generator that starts later.
+_LATCHED_STREAM = QoSProfile(
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
 
 
 class TransitionRejected(GhcError):
     """The controller refused a scripted transition; the message holds its reason."""
-
-
-@dataclass(frozen=True, slots=True)
-class ScriptedTransition:
-    """A transition with its simulated start."""
-
-    id: str
-    start: float  # [s]
-    duration: float  # [s]
-    hierarchy: str = ""
-    table: PriorityTable | None = None  # used in place of the string
 
 
 class ExperimentClient(Node):
@@ -65,12 +68,19 @@ class ExperimentClient(Node):
         self.accepted: set[str] = set()
         self.controller_spoke = False
         self.state_time: float | None = None  # [s] latest joint state, while watched
+        self.diagnostics: dict[str, dict[str, str]] = {}  # node -> its latest values
+        self.planned_contacts: set[str] = set()  # of the plans seen before time runs
         self._states: Subscription | None = None
+        self._schedules = self.create_publisher(ContactSchedule, SCHEDULE_TOPIC, _LATCHED_STREAM)
         self._references = self.create_publisher(TaskReference, REFERENCE_TOPIC, _RELIABLE)
         self._transitions = self.create_publisher(PriorityTransition, TRANSITION_TOPIC, _RELIABLE)
         self._pause = self.create_client(SetBool, "sim_bridge/pause")
         self.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, _RELIABLE
+        )
+        self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
+        self._plans = self.create_subscription(
+            ContactForceBounds, "constraints/contact_force_bounds", self._on_plan, _LATEST
         )
         self._matrices = self.create_subscription(
             PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED
@@ -100,24 +110,25 @@ class ExperimentClient(Node):
 
     def publish_reference(self, reference: Reference, duration: float) -> None:
         """Send the reference of one task for a run of `duration` [s], stamped with time zero."""
-        message = TaskReference()
-        message.task = reference.task
-        message.joints = list(reference.joints)
-        message.points = [_point(point) for point in reference.points_until(duration)]
-        self._references.publish(message)
+        self._references.publish(reference_message(reference, duration))
 
     def publish_transition(self, transition: ScriptedTransition) -> None:
         """Send one transition; the answer comes by `raise_if_rejected` and `accepted`."""
-        message = PriorityTransition()
-        message.header.stamp = to_stamp(transition.start)
-        message.id = transition.id
-        message.duration = transition.duration
-        if transition.table is None:
-            message.hierarchy = transition.hierarchy
-        else:
-            message.tasks = list(transition.table.tasks)
-            message.alpha = [entry for row in transition.table.alpha for entry in row]
-        self._transitions.publish(message)
+        self._transitions.publish(transition_message(transition))
+
+    def publish_schedule(self, schedule: ScriptedSchedule) -> None:
+        """Send what one contact may carry, at simulated times."""
+        self._schedules.publish(schedule_message(schedule))
+
+    def schedules_judged(self) -> int:
+        """How many schedules the generator has accepted or refused, by its diagnostics."""
+        values = self.diagnostics.get("contact_force_bounds", {})
+        return int(values.get("schedules", 0)) + self.schedules_refused()
+
+    def schedules_refused(self) -> int:
+        """How many of them it refused."""
+        values = self.diagnostics.get("contact_force_bounds", {})
+        return int(values.get(f"rejected_{SCHEDULE_TOPIC}", 0))
 
     def raise_if_rejected(self) -> None:
         """Raise TransitionRejected with the controller's reason, if it refused one."""
@@ -133,13 +144,21 @@ class ExperimentClient(Node):
         return self._pause.service_is_ready()
 
     def resume(self) -> Future:
-        """Ask the bridge to let time run."""
+        """Ask the bridge to let time run; plans are not read any more."""
+        self.destroy_subscription(self._plans)
         return self._pause.call_async(SetBool.Request(data=False))
 
     def _on_status(self, message: TransitionStatus) -> None:
         self.statuses[message.id] = message
         if message.status != TransitionStatus.REJECTED:
             self.accepted.add(message.id)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.diagnostics[status.name] = {pair.key: pair.value for pair in status.values}
+
+    def _on_plan(self, message: ContactForceBounds) -> None:
+        self.planned_contacts |= set(message.contacts)
 
     def _on_matrix(self, _message: PriorityMatrix) -> None:
         self.controller_spoke = True
@@ -165,25 +184,3 @@ class ExperimentClient(Node):
         if message.fallback_reason:
             trace.fallback_reasons.add(message.fallback_reason)
         trace.counts = {count.name: count.count for count in message.counts}
-
-
-def to_stamp(seconds: float) -> Time:
-    """Time message of simulated seconds, exact to a nanosecond."""
-    nanoseconds = round(seconds * 1e9)
-    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
-
-
-def to_seconds(stamp: Time) -> float:
-    """Simulated seconds of a time message."""
-    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
-
-
-def _point(point: ReferencePoint) -> TaskReferencePoint:
-    stamp = to_stamp(point.time)
-    return TaskReferencePoint(
-        time_from_start=Duration(sec=stamp.sec, nanosec=stamp.nanosec),
-        position=list(point.position),
-        velocity=list(point.velocity),
-        acceleration=list(point.acceleration),
-        wrench=list(point.wrench),
-    )

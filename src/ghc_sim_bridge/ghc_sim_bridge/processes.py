@@ -148,6 +148,10 @@ class NodeProcesses:
         """Where the output of a node goes."""
         return self._nodes[name].log
 
+    def last_lines(self, name: str) -> str:
+        """The end of what a node printed."""
+        return self._nodes[name].last_lines()
+
     def exit_codes(self) -> dict[str, int | None]:
         """Exit code per node."""
         return {name: node.exit_code for name, node in self._nodes.items()}

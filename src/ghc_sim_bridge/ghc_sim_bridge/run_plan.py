@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,11 @@ import yaml
 
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import FORMULATIONS
+from ghc_sim_bridge.run_parameters import node_parameters
 from ghc_sim_bridge.scenario import NODES, Phase, Scenario
 
 MODES = ("lockstep", "realtime")
 RECORD_MODES = ("decimated", "full")
-_PHYSICS_DT = 1e-3  # [s] longest step of the integrator
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +29,7 @@ class RunOptions:
     record: str = "decimated"
     view: bool = False
     mode: str = "lockstep"
+    generators: bool | None = None  # False = they pass raw values through; None = on, if any
     parameters: tuple[tuple[str, str, Any], ...] = ()  # (node, parameter, value)
 
 
@@ -91,6 +92,11 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
     mode).
     """
     _check_options(options)
+    if options.generators is not None and not scenario.generators:
+        raise InvalidValue(
+            f"generators {'on' if options.generators else 'off'}: scenario '{scenario.name}' has "
+            "no section 'generators'"
+        )
     formulation = options.formulation or scenario.formulation
     if formulation not in FORMULATIONS:
         raise UnknownName("formulation", formulation, FORMULATIONS)
@@ -112,7 +118,7 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
         is_default=is_default,
         changes=scenario.robot_changes,
     )
-    return _with_parameters(plan)
+    return replace(plan, parameters=node_parameters(plan))
 
 
 def _check_options(options: RunOptions) -> None:
@@ -150,8 +156,10 @@ def _place(
     scenario: Scenario, options: RunOptions, formulation: str, transition: float
 ) -> tuple[str, bool]:
     """Folder name of the variant and whether it is the default one."""
+    generators = "generators_on" if scenario.generators else ""
     default_transition = 0.0 if formulation == "hqp" else scenario.transition
     parts = [scenario.variant, formulation]
+    parts.append("generators_off" if options.generators is False else generators)
     if transition != default_transition:
         parts.append(f"transition_{transition:g}s")
     if options.control_dt not in (None, scenario.control_dt):
@@ -162,58 +170,5 @@ def _place(
         parts.append(f"{node}.{name}_{value}".replace("/", "_").replace(" ", ""))
     folder = "-".join(part for part in parts if part)
     first = scenario.variants[0] if scenario.variants else ""
-    standard = "-".join(part for part in (first, scenario.formulation) if part)
+    standard = "-".join(part for part in (first, scenario.formulation, generators) if part)
     return folder, folder == standard
-
-
-def _with_parameters(plan: RunPlan) -> RunPlan:
-    """The same plan with the parameters of every node filled in."""
-    scenario, folder = plan.scenario, plan.folder
-    nodes: dict[str, dict[str, Any]] = {
-        "sim_bridge": {
-            "scene": scenario.scene,
-            "mode": plan.options.mode,
-            "control_dt": plan.control_dt,
-            "physics_dt": plan.control_dt / math.ceil(plan.control_dt / _PHYSICS_DT - 1e-9),
-            "stop_time": plan.duration,
-            "paused": True,
-            "lossless": plan.options.record == "full",
-            "log_file": str(folder / "log.npz"),
-            "torque_rate_limit": scenario.torque_rate_limit,
-        },
-        "controller": {
-            "robot": scenario.robot,
-            "formulation": plan.formulation,
-            "control_dt": plan.control_dt,
-            "torque_rate_limit": scenario.torque_rate_limit,
-            "lockstep": plan.options.mode == "lockstep",
-        },
-        "recorder": {
-            "output": str(folder / "recording.mcap"),
-            "record_mode": plan.options.record,
-        },
-        "viewer": {"scene": scenario.scene, "robot": scenario.robot},
-    }
-    if plan.phases[0].phase.table is None:
-        nodes["controller"]["hierarchy"] = plan.phases[0].phase.hierarchy
-    if not plan.options.view:
-        del nodes["viewer"]
-    for node, values in scenario.parameters.items():
-        if node in nodes:
-            nodes[node].update(values)
-    nodes["controller"].update(scenario.formulation_parameters.get(plan.formulation, {}))
-    for node, name, value in plan.options.parameters:
-        if node not in nodes:
-            raise UnknownName("node of this run", node, nodes)
-        known = nodes[node].get(name)
-        nodes[node][name] = float(value) if _is_float_for(known, value) else value
-    return RunPlan(
-        **{
-            name: getattr(plan, name) for name in plan.__dataclass_fields__ if name != "parameters"
-        },
-        parameters=nodes,
-    )
-
-
-def _is_float_for(known: object, value: object) -> bool:
-    return isinstance(known, float) and isinstance(value, int) and not isinstance(value, bool)

@@ -15,10 +15,18 @@ from typing import Any
 
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import FORMULATIONS
+from ghc_sim_bridge.generator_script import (
+    GENERATORS,
+    Event,
+    ScriptedSchedule,
+    read_events,
+    read_generators,
+    read_schedule,
+)
 from ghc_sim_bridge.references import Reference, read_reference
 from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
-NODES = ("sim_bridge", "controller", "recorder", "viewer")
+NODES = ("sim_bridge", "controller", "recorder", "viewer", *GENERATORS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +67,9 @@ class Scenario:
     parameters: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value
     formulation_parameters: Mapping[str, Mapping[str, Any]]  # formulation -> of the controller
     robot_changes: Mapping[str, Any]  # merged into the robot's YAML
+    generators: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value; empty = none
+    contact_schedules: tuple[ScriptedSchedule, ...]  # for the generator of force bounds
+    events: tuple[Event, ...]  # jumps whose cost is compared without and with generators
     paper: Mapping[str, Any]  # what the paper says, copied into the summary
 
 
@@ -110,6 +121,12 @@ def _read_scenario(
     for node in parameters.names():
         if node not in NODES:
             raise parameters.error(node, f"unknown node; known: {', '.join(NODES)}")
+    generators = read_generators(fields.section("generators", {}))
+    schedules = tuple(read_schedule(item) for item in fields.items("contact_schedules", ()))
+    if schedules and "contact_force_bounds" not in generators:
+        raise fields.error(
+            "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
+        )
     scenario = Scenario(
         name=fields.text("name", file.stem),
         title=fields.text("title"),
@@ -129,6 +146,9 @@ def _read_scenario(
         parameters={node: dict(parameters.value(node)) for node in parameters.names()},
         formulation_parameters=_read_formulations(fields.section("formulation_parameters", {})),
         robot_changes=dict(fields.value("robot_changes", {})),
+        generators=generators,
+        contact_schedules=schedules,
+        events=read_events(fields),
         paper=dict(fields.value("paper", {})),
     )
     fields.close()
