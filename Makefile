@@ -16,6 +16,7 @@ RUN = $(WORKSPACE) && exec .venv/bin/python tools/ros2_run.py
 OPTIONS = $(if $(FORMULATION),--formulation $(FORMULATION)) \
           $(if $(TRANSITION),--transition $(TRANSITION)) \
           $(if $(DT),--dt $(DT)) \
+          $(if $(GENERATORS),--generators $(GENERATORS)) \
           $(if $(RECORD),--record $(RECORD)) \
           $(if $(filter-out 0,$(VIEW)),--view) \
           $(ARGS)
@@ -24,7 +25,7 @@ help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
 	@echo
 	@echo "  make run SCENARIO=name [FORMULATION=name] [TRANSITION=seconds] [DT=seconds]"
-	@echo "           [RECORD=full] [VIEW=1] [ARGS='more options of the experiment']"
+	@echo "           [GENERATORS=on|off|both] [RECORD=full] [VIEW=1] [ARGS='more options of the experiment']"
 	@echo "  make test ARGS='-k words'   make setup PYTHON=python3.12   make lock UPGRADE=1"
 
 setup: ## make .venv, install the locked packages, build the messages

@@ -196,8 +196,8 @@ def test_an_unknown_scenario_lists_the_existing_ones(start_node: Callable[..., A
     node = start_node("ghc_sim_bridge", "experiment", "--scenario", "no_such_one")
     assert node.wait(30.0) == 2
     assert node.output.strip() == (
-        "experiment: unknown scenario 'no_such_one'; known: contact_force, insertion_removal, "
-        "lemniscate, nonstrict, priority_switching"
+        "experiment: unknown scenario 'no_such_one'; known: contact_force, force_bound_step, "
+        "insertion_removal, lemniscate, nonstrict, obstacle_jump, priority_switching"
     )
 
 

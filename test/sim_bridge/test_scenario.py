@@ -13,6 +13,7 @@ from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_sim_bridge.references import Lemniscate
 from ghc_sim_bridge.run_plan import RunOptions, make_plan, parse_parameter
 from ghc_sim_bridge.scenario import load_scenario, scenario_names
+from ghc_sim_bridge.scene_description import load_scene
 
 PAPER_SCENARIOS = (
     "contact_force",
@@ -198,3 +199,87 @@ def test_lemniscate_points_cover_the_run(tmp_path: Path) -> None:
     assert points[-1].time >= 12.345
     period = reference.lemniscate.period if reference.lemniscate else 0.0
     assert period == pytest.approx(2 * math.pi)
+
+
+GENERATED = ("force_bound_step", "obstacle_jump")
+
+
+@pytest.mark.parametrize("name", GENERATED)
+def test_generators_run_beside_the_controller_which_waits_for_them(
+    tmp_path: Path, name: str
+) -> None:
+    scenario = load_scenario(name)
+    on, off = (make_plan(scenario, RunOptions(generators=g), tmp_path) for g in (True, False))
+    (generator,) = scenario.generators
+    assert on.parameters[generator]["smoothing"] is True
+    assert off.parameters[generator]["smoothing"] is False
+    assert on.folder != off.folder
+    assert on.is_default and not off.is_default
+    assert make_plan(scenario, RunOptions(), tmp_path).folder == on.folder
+    waited_for = {
+        "contact_force_bounds": "contact_force_bounds",
+        "obstacle_bounds": "obstacle_motion",
+    }
+    for plan in (on, off):
+        assert plan.parameters["controller"]["wait_for_bounds"] == [waited_for[generator]]
+        assert plan.parameters["controller"]["torque_rate_limit"] == 0.0
+        assert plan.parameters["sim_bridge"]["torque_rate_limit"] == 0.0
+        assert plan.control_dt == 1e-3
+    realtime = make_plan(scenario, RunOptions(mode="realtime"), tmp_path)
+    assert "wait_for_bounds" not in realtime.parameters["controller"]
+
+
+def test_the_obstacle_generator_waits_for_the_sensor_of_the_scene(tmp_path: Path) -> None:
+    plan = make_plan(load_scenario("obstacle_jump"), RunOptions(), tmp_path)
+    assert plan.parameters["obstacle_bounds"]["sensor_period"] == 0.1
+
+
+def test_events_are_the_jumps_of_what_is_scripted() -> None:
+    force = load_scenario("force_bound_step")
+    assert [event.time for event in force.events] == list(force.contact_schedules[0].times[1:])
+    jumps = load_scenario("obstacle_jump")
+    track = load_scene(jumps.scene).obstacles[0].track
+    assert [event.time for event in jumps.events] == [sighting.time for sighting in track[1:]]
+
+
+def test_generators_of_a_scenario_without_any_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidValue, match="generators off: scenario 'mine' has no section"):
+        make_plan(load_scenario(write(tmp_path)), RunOptions(generators=False), tmp_path)
+
+
+def test_generators_with_steps_that_differ_are_refused(tmp_path: Path) -> None:
+    steps = {"contact_force_bounds": {"step": 0.01}, "obstacle_bounds": {"step": 0.02}}
+    with pytest.raises(InvalidValue, match="one step expected"):
+        make_plan(load_scenario(write(tmp_path, generators=steps)), RunOptions(), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"generators": {"walls": {}}}, ["generators.walls", "obstacle_bounds"]),
+        ({"contact_schedules": [{"contact": "a", "bounds": []}]}, ["contact_schedules[0].bounds"]),
+        (
+            {"contact_schedules": [{"contact": "a", "bounds": [{"time": 0, "upper": 1}]}]},
+            ["contact_schedules[0].bounds[0].lower", "missing"],
+        ),
+        (
+            {
+                "contact_schedules": [
+                    {"contact": "a", "bounds": [{"time": 0, "lower": 0, "upper": 1}]}
+                ]
+            },
+            ["contact_schedules", "nobody reads them"],
+        ),
+        (
+            {"events": [{"time": 2, "name": "a"}, {"time": 1, "name": "b"}]},
+            ["events[1].time", "more than 2"],
+        ),
+    ],
+)
+def test_what_is_wrong_with_generators_is_told_by_its_field(
+    tmp_path: Path, changes: dict[str, object], words: list[str]
+) -> None:
+    with pytest.raises(ConfigurationError) as caught:
+        load_scenario(write(tmp_path, **changes))
+    for word in ["mine.yaml", *words]:
+        assert word in str(caught.value)

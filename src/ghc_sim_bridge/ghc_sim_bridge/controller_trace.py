@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_sim_bridge.constraint_series import ConstraintTrace
+
 
 @dataclass(slots=True)
 class ControllerTrace:
@@ -22,6 +24,7 @@ class ControllerTrace:
     time_step: list[float] = field(default_factory=list)  # [s] wall
     slack: dict[str, float] = field(default_factory=dict)  # row -> largest slack
     fallback_reasons: set[str] = field(default_factory=set)
+    constraints: ConstraintTrace = field(default_factory=ConstraintTrace)
     counts: dict[str, int] = field(default_factory=dict)  # the latest ones
 
     def alpha_over_time(self) -> NDArray[np.float64]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -20,6 +21,14 @@ from ghc_sim_bridge.run_plan import (
 )
 from ghc_sim_bridge.scenario import load_scenario, scenario_names
 
+# Choice -> whether generators smooth, run by run; without one first, None where there are none.
+_SIDES: Mapping[str | None, tuple[bool | None, ...]] = {
+    "on": (True,),
+    "off": (False,),
+    "both": (False, True),
+    None: (None,),
+}
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; 0 = all went well, 1 = the run failed, 2 = wrong arguments or files."""
@@ -32,6 +41,7 @@ def _run(options: argparse.Namespace) -> int:
         parameters = tuple(parse_parameter(text) for text in options.param)
         first = load_scenario(options.scenario, options.variant)
         names = (options.variant,) if options.variant else first.variants or ("",)
+        sides = _SIDES[options.generators or ("both" if first.generators else None)]
         run_options = RunOptions(
             formulation=options.formulation,
             transition=options.transition,
@@ -42,26 +52,38 @@ def _run(options: argparse.Namespace) -> int:
             parameters=parameters,
         )
         plans = [
-            make_plan(load_scenario(options.scenario, name), run_options, options.output)
+            [
+                make_plan(
+                    load_scenario(options.scenario, name),
+                    replace(run_options, generators=side),
+                    options.output,
+                )
+                for side in sides
+            ]
             for name in names
         ]
     except GhcError as error:
         print(f"experiment: {error}", file=sys.stderr)
         return 2
-    done = [_report(plan) for plan in plans]
+    done = [_report(sides_of_one) for sides_of_one in plans]
     if len(plans) > 1 and all(done):
         from ghc_sim_bridge.report import compare_variants
 
-        compare_variants(plans)
+        compare_variants([sides_of_one[-1] for sides_of_one in plans])
     return int(not all(done))
 
 
-def _report(plan: RunPlan) -> bool:
-    """Make one run; whether it went well. Later runs do not depend on it."""
-    from ghc_sim_bridge.report import run_and_report, went_well  # late: a wrong name needs no ROS
+def _report(plans: Sequence[RunPlan]) -> bool:
+    """Run one variant, on each side; whether it went well. Later ones do not depend on it."""
+    # Late: a wrong name needs no ROS.
+    from ghc_sim_bridge.generator_comparison import compare_generators
+    from ghc_sim_bridge.report import run_and_report, went_well
 
     try:
-        return went_well(run_and_report(plan))
+        summaries = [run_and_report(plan) for plan in plans]
+        if len(plans) > 1:
+            compare_generators(plans[0], plans[1], summaries)
+        return all(went_well(summary) for summary in summaries)
     except (GhcError, OSError) as error:
         print(f"experiment: {error}", file=sys.stderr)
         return False
@@ -88,6 +110,12 @@ def _parser() -> argparse.ArgumentParser:
         help="duration of every transition; hqp switches at once by default",
     )
     parser.add_argument("--dt", type=float, metavar="SECONDS", help="control period")
+    parser.add_argument(
+        "--generators",
+        choices=("on", "off", "both"),
+        help="constraint generators smooth their bounds, pass them through, or one run of each "
+        "and a comparison (default: both, where the scenario has generators)",
+    )
     parser.add_argument(
         "--record",
         default="decimated",

@@ -33,6 +33,7 @@ from ghc_sim_bridge.generator_script import ScriptedSchedule
 from ghc_sim_bridge.references import Reference
 
 STATE_TOPIC = "joint_states"
+REPORT_TOPIC = "ghc/controller_state"
 REFERENCE_TOPIC = "ghc/task_reference"
 TRANSITION_TOPIC = "ghc/priority_transition"
 SCHEDULE_TOPIC = "constraints/contact_schedule"
@@ -86,7 +87,7 @@ class ExperimentClient(Node):
             PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED
         )
         self.create_subscription(
-            ControllerState, "ghc/controller_state", self._on_controller_state, _STREAM
+            ControllerState, REPORT_TOPIC, self._on_controller_state, _STREAM
         )
 
     def watch_states(self, watch: bool) -> None:
@@ -183,4 +184,5 @@ class ExperimentClient(Node):
             trace.slack[name] = max(trace.slack.get(name, 0.0), abs(value))
         if message.fallback_reason:
             trace.fallback_reasons.add(message.fallback_reason)
+        trace.constraints.append(time, message)
         trace.counts = {count.name: count.count for count in message.counts}

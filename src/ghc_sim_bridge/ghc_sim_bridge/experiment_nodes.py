@@ -5,6 +5,7 @@ from __future__ import annotations
 from ghc_sim_bridge.experiment_client_node import (
     OBSTACLE_TOPIC,
     REFERENCE_TOPIC,
+    REPORT_TOPIC,
     SCHEDULE_TOPIC,
     STATE_TOPIC,
     TRANSITION_TOPIC,
@@ -25,7 +26,7 @@ EXECUTABLES = {
 # Node -> topics to which it has to subscribe before anything is sent.
 READ_BEFORE_START = {
     "controller": _SCRIPT,
-    "recorder": (*_SCRIPT, STATE_TOPIC),
+    "recorder": (*_SCRIPT, STATE_TOPIC, REPORT_TOPIC),
     "viewer": (STATE_TOPIC,),
     "contact_force_bounds": (STATE_TOPIC, SCHEDULE_TOPIC),
     "obstacle_bounds": (STATE_TOPIC, OBSTACLE_TOPIC),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
+
+from ghc_sim_bridge.text_table import aligned
 
 _ROUNDING = 1e-6  # relative excess of a limit that is not worth a word
 
@@ -34,7 +36,7 @@ def phase_table(summary: Mapping[str, Any]) -> str:
                 f"{summary['jerk_integral']['per_phase'][index]:.1f}",
             ]
         )
-    return _aligned(head, rows)
+    return aligned(head, rows, left=(1,))
 
 
 def outcome_lines(summary: Mapping[str, Any]) -> str:
@@ -52,16 +54,3 @@ def outcome_lines(summary: Mapping[str, Any]) -> str:
             f"{summary['wall_seconds']:.1f} s ({summary['real_time_factor']:.2f} x real time)",
         ]
     )
-
-
-def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    widths = [max(len(row[k]) for row in [head, *rows]) for k in range(len(head))]
-    lines = []
-    for row in [head, *rows]:
-        cells = [
-            cell.ljust(w) if k == 1 else cell.rjust(w)
-            for k, (cell, w) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append("  ".join(cells).rstrip())
-    lines.insert(1, "-" * max(len(line) for line in lines))
-    return "\n".join(lines)

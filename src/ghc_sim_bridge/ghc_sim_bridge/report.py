@@ -13,12 +13,13 @@ from ghc_sim_bridge.comparison_figures import variants_comparison
 from ghc_sim_bridge.controller_series import ControllerSeries
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.figures import run_figures
+from ghc_sim_bridge.generator_analysis import CONSTRAINTS, analyse_generators
 from ghc_sim_bridge.phase_table import outcome_lines, phase_table
 from ghc_sim_bridge.rerun_recording import write_rerun
 from ghc_sim_bridge.run_experiment import run_experiment
 from ghc_sim_bridge.run_plan import RunPlan
 from ghc_sim_bridge.scene_description import load_scene
-from ghc_sim_bridge.summary import make_summary, write_json
+from ghc_sim_bridge.summary import make_summary, rounded, write_json
 
 SUMMARY = "summary.json"
 
@@ -33,6 +34,10 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
     analysis = analyse(plan, outcome.log, outcome.robot)
     check_references(analysis.history, outcome.trace)
     summary = make_summary(analysis, outcome.trace, outcome.exit_codes, outcome.wall_seconds)
+    if plan.scenario.generators:
+        series = outcome.trace.constraints.series()
+        series.save(plan.folder / CONSTRAINTS)
+        summary["bounds"] = rounded(analyse_generators(analysis, series).summary())
     write_json(plan.folder / SUMMARY, summary)
     for name, figure in run_figures(analysis, outcome.trace).items():
         save_png(figure, plan.folder / f"{name}.png")

@@ -1,0 +1,112 @@
+"""The bounds and obstacles that the controller obeyed over a run, as arrays and as a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_controller.errors import ConfigurationError
+
+Array = NDArray[np.float64]
+
+_CONTACT, _OBSTACLE = "contact_", "obstacle_"
+_CONTACT_COLUMNS, _OBSTACLE_COLUMNS = 3, 13
+LOWER, UPPER, FORCE = range(_CONTACT_COLUMNS)
+POSITION, VELOCITY, ACCELERATION, NORMAL = (slice(3 * k, 3 * k + 3) for k in range(4))
+SAFE_DISTANCE = 12
+
+
+@dataclass(frozen=True, slots=True)
+class ConstraintSeries:
+    """S reports; a row is NaN where the controller had no such bound or obstacle."""
+
+    time: Array  # (S,) [s] simulated
+    contacts: Mapping[str, Array]  # name -> (S, 3) lower, upper, force asked for [N]
+    obstacles: Mapping[str, Array]  # id -> (S, 13) position [m], velocity, acceleration, normal,
+    #                                 safe distance [m]; world axes
+    frames: Mapping[str, str]  # id -> frame that it threatens
+
+    @property
+    def is_empty(self) -> bool:
+        """True when the controller had neither bounds nor obstacles."""
+        return not self.contacts and not self.obstacles
+
+    def save(self, path: Path) -> None:
+        """Write an .npz."""
+        arrays: dict[str, Any] = {"time": self.time}
+        arrays |= {_CONTACT + name: values for name, values in self.contacts.items()}
+        arrays |= {_OBSTACLE + name: values for name, values in self.obstacles.items()}
+        arrays["frames"] = np.array(
+            [[name, frame] for name, frame in self.frames.items()], dtype=np.str_
+        ).reshape(-1, 2)
+        np.savez_compressed(path, **arrays)
+
+    @classmethod
+    def load(cls, path: Path) -> ConstraintSeries:
+        """Read what `save` wrote. Raises ConfigurationError: missing, or not such a file."""
+        try:
+            with np.load(path, allow_pickle=False) as data:
+                return cls(
+                    time=data["time"],
+                    contacts=_with_prefix(data, _CONTACT),
+                    obstacles=_with_prefix(data, _OBSTACLE),
+                    frames={str(name): str(frame) for name, frame in data["frames"]},
+                )
+        except (OSError, KeyError, ValueError) as error:
+            raise ConfigurationError(f"constraints of a run, '{path}': {error}") from error
+
+
+class ConstraintTrace:
+    """Collects the messages of `controller_state` into a series."""
+
+    def __init__(self) -> None:
+        self._time: list[float] = []
+        self._contacts: dict[str, dict[int, list[float]]] = {}  # name -> row -> values
+        self._obstacles: dict[str, dict[int, list[float]]] = {}
+        self._frames: dict[str, str] = {}
+
+    def append(self, time: float, state: Any) -> None:
+        """Add one ControllerState at `time` [s], later than the ones before."""
+        row = len(self._time)
+        self._time.append(time)
+        asked = getattr(state, "contact_forces", None) or [np.nan] * len(state.bounded_contacts)
+        for name, *values in zip(
+            state.bounded_contacts, state.contact_lower, state.contact_upper, asked, strict=True
+        ):
+            self._contacts.setdefault(name, {})[row] = values
+        for entry in state.obstacles:
+            self._frames[entry.id] = entry.protected_frame
+            self._obstacles.setdefault(entry.id, {})[row] = [
+                *entry.position,
+                *entry.velocity,
+                *entry.acceleration,
+                *entry.normal,
+                entry.safe_distance,
+            ]
+
+    def series(self) -> ConstraintSeries:
+        """What has been collected."""
+        count = len(self._time)
+        return ConstraintSeries(
+            time=np.array(self._time),
+            contacts={n: _filled(r, count, _CONTACT_COLUMNS) for n, r in self._contacts.items()},
+            obstacles={
+                n: _filled(r, count, _OBSTACLE_COLUMNS) for n, r in self._obstacles.items()
+            },
+            frames=dict(self._frames),
+        )
+
+
+def _filled(rows: Mapping[int, list[float]], count: int, columns: int) -> Array:
+    values = np.full((count, columns), np.nan)
+    values[list(rows)] = list(rows.values())
+    return values
+
+
+def _with_prefix(data: Mapping[str, Any], prefix: str) -> dict[str, Array]:
+    return {name.removeprefix(prefix): data[name] for name in data if name.startswith(prefix)}

@@ -1,0 +1,94 @@
+"""What a run with constraint generators did: from its log and the bounds that it obeyed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_controller.robots import find_robot
+from ghc_sim_bridge.analysis import Analysis
+from ghc_sim_bridge.constraint_series import ConstraintSeries
+from ghc_sim_bridge.generator_metrics import (
+    DistanceHistory,
+    ForceFollowing,
+    event_peaks,
+    event_windows,
+    force_following,
+    obstacle_distance,
+)
+from ghc_sim_bridge.yaml_fields import read_yaml
+
+Array = NDArray[np.float64]
+
+CONSTRAINTS = "constraints.npz"
+_HORIZON = 0.1  # [s] of eq. 4.2, the controller's default
+
+
+@dataclass(frozen=True, slots=True)
+class GeneratorAnalysis:
+    """A run and everything about its bounds."""
+
+    analysis: Analysis
+    series: ConstraintSeries
+    windows: tuple[tuple[float, float], ...]  # [s] around each event of the scenario
+    peaks: tuple[float, ...]  # [Nm/s] largest torque rate in each window
+    forces: Mapping[str, Array]  # contact -> (T,) [N] simulated, along its normal
+    following: Mapping[str, ForceFollowing]
+    distances: Mapping[str, DistanceHistory]
+
+    def summary(self) -> dict[str, Any]:
+        """The part of summary.json on bounds and events."""
+        events = self.analysis.plan.scenario.events
+        return {
+            "events": [
+                {"name": event.name, "time_s": event.time, "window_s": list(window), "peak": peak}
+                for event, window, peak in zip(events, self.windows, self.peaks, strict=True)
+            ],
+            "contacts": {name: asdict(values) for name, values in self.following.items()},
+            "obstacles": {
+                name: {"qp_violation_m": history.violation, "closer_than_safe_m": history.closest}
+                for name, history in self.distances.items()
+            },
+        }
+
+
+def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> GeneratorAnalysis:
+    """Peaks per event, and how bounds and distances were kept."""
+    log, plan = analysis.log, analysis.plan
+    windows = event_windows(plan.scenario.events, plan.duration)
+    normals = _contact_normals(plan.folder, plan.scenario.robot)
+    forces = {
+        name: log.wrenches[name][:, :3] @ normals[name]
+        for name in series.contacts
+        if name in normals and name in log.wrenches
+    }
+    horizon = float(plan.parameters["controller"].get("obstacle_horizon", _HORIZON))
+    return GeneratorAnalysis(
+        analysis=analysis,
+        series=series,
+        windows=windows,
+        peaks=event_peaks(log, windows),
+        forces=forces,
+        following={
+            name: force_following(series, name, log.time, force) for name, force in forces.items()
+        },
+        distances={
+            name: obstacle_distance(series, name, log, analysis.robot.model, horizon)
+            for name in series.obstacles
+        },
+    )
+
+
+def _contact_normals(folder: Path, robot: str) -> dict[str, Array]:
+    """Contact -> (3,) unit normal, world axes, of the robot file of a run."""
+    changed = folder / "robot.yaml"
+    content = read_yaml(changed if changed.is_file() else find_robot(robot))
+    return {
+        contact["name"]: np.array(contact["normal"], float)
+        for contact in content.get("contacts", [])
+    }

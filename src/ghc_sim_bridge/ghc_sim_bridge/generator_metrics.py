@@ -1,0 +1,149 @@
+"""What a jump of a constraint costs, and how well the bounds were kept; no ROS, no files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_controller.robot_model import RobotModel
+from ghc_sim_bridge.constraint_series import (
+    ACCELERATION,
+    FORCE,
+    LOWER,
+    NORMAL,
+    POSITION,
+    SAFE_DISTANCE,
+    UPPER,
+    VELOCITY,
+    ConstraintSeries,
+)
+from ghc_sim_bridge.full_rate_log import FullRateLog
+from ghc_sim_bridge.generator_script import Event
+from ghc_sim_bridge.metrics import peak_torque_rate
+
+Array = NDArray[np.float64]
+
+REACH = 2.0  # [s] of an event before and after it: longer than preview and reaction take
+_SAME_TIME = 1e-6  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class ForceFollowing:
+    """One contact over a run: the QP's force against its bounds, the simulation's against both."""
+
+    qp_violation: float  # [N] largest excess of the QP's force over its bounds
+    difference_rms: float  # [N] of simulated and asked force, while in contact
+    difference_largest: float  # [N]
+    above_upper: float  # [N] largest excess of the simulated force over the bound in force
+
+
+@dataclass(frozen=True, slots=True)
+class DistanceHistory:
+    """One obstacle and the frame that it threatens, at S times."""
+
+    time: Array  # (S,) [s]
+    virtual: Array  # (S,) [m] distance to the obstacle as the controller had it, along the normal
+    predicted: Array  # (S,) [m] the same after the horizon of eq. 4.2
+    safe_distance: Array  # (S,) [m]
+
+    @property
+    def violation(self) -> float:
+        """Largest lack of the predicted distance [m]: of eq. 4.2, with what was simulated."""
+        return _largest(self.safe_distance - self.predicted)
+
+    @property
+    def closest(self) -> float:
+        """Largest lack of the distance itself [m]."""
+        return _largest(self.safe_distance - self.virtual)
+
+
+def event_windows(
+    events: Sequence[Event], duration: float, reach: float = REACH
+) -> tuple[tuple[float, float], ...]:
+    """Time around each event [s], at most `reach` to both sides and no farther than half-way.
+
+    A smoothed constraint moves before an announced event and after one that is measured: peaks
+    are looked for over the same window without and with smoothing.
+    """
+    times = [event.time for event in events]
+    middles = [0.5 * (a + b) for a, b in pairwise(times)]
+    starts = [0.0, *middles]
+    ends = [*middles, duration]
+    return tuple(
+        (max(start, time - reach), min(end, time + reach))
+        for time, start, end in zip(times, starts, ends, strict=True)
+    )
+
+
+def event_peaks(log: FullRateLog, windows: Sequence[tuple[float, float]]) -> tuple[float, ...]:
+    """Largest torque rate of any joint in each window [Nm/s], at the log's control period."""
+    if not windows:
+        return ()
+    return peak_torque_rate(log.time, log.torque, log.control_dt, windows).per_phase
+
+
+def force_following(
+    series: ConstraintSeries, name: str, time: Array, force: Array
+) -> ForceFollowing:
+    """How a contact's bounds were kept; `force` (T,) [N] is the simulated one at `time` (T,) [s].
+
+    The force asked for at t acts over the period that follows, and is sensed at its end.
+    """
+    values = series.contacts[name]
+    present = np.isfinite(values).all(axis=1)
+    lower, upper, asked = (values[present, k] for k in (LOWER, UPPER, FORCE))
+    if not present.any():
+        return ForceFollowing(0.0, 0.0, 0.0, 0.0)
+    rows = np.searchsorted(time, series.time[present] - _SAME_TIME) + 1
+    rows = np.minimum(rows, len(time) - 1)
+    sensed = force[rows]
+    on = upper > 0.0
+    difference = np.abs(sensed - asked)[on]
+    return ForceFollowing(
+        qp_violation=_largest(np.maximum(lower - asked, asked - upper)),
+        difference_rms=float(np.sqrt(np.mean(difference**2))) if on.any() else 0.0,
+        difference_largest=_largest(difference),
+        above_upper=_largest((sensed - upper)[on]),
+    )
+
+
+def obstacle_distance(
+    series: ConstraintSeries, name: str, log: FullRateLog, model: RobotModel, horizon: float
+) -> DistanceHistory:
+    """Distance to an obstacle as the controller had it, and that of eq. 4.2 after `horizon` [s].
+
+    Velocity and acceleration of the frame are those of the simulation.
+    """
+    values = series.obstacles[name]
+    present = np.isfinite(values).all(axis=1)
+    times, values = series.time[present], values[present]
+    rows = np.minimum(np.searchsorted(log.time, times - _SAME_TIME), len(log.time) - 1)
+    order = [log.joint_names.index(joint) for joint in model.joint_names]
+    frame = model.frame_id(series.frames[name])
+    virtual, predicted = np.empty(len(rows)), np.empty(len(rows))
+    for k, row in enumerate(rows):
+        model.update(log.q[row, order], log.v[row, order])
+        acceleration = model.frame_jacobian(frame)[:3] @ log.acceleration[row, order]
+        acceleration = acceleration + model.frame_drift(frame)[:3]
+        normal = values[k, NORMAL]
+        distance = normal @ (model.frame_position(frame) - values[k, POSITION])
+        speed = normal @ (model.frame_velocity(frame)[:3] - values[k, VELOCITY])
+        growth = normal @ (acceleration - values[k, ACCELERATION])
+        virtual[k] = distance
+        predicted[k] = distance + horizon * (speed + 0.5 * horizon * growth)
+    return DistanceHistory(times, virtual, predicted, values[:, SAFE_DISTANCE])
+
+
+def ratios(without: Sequence[float], with_them: Sequence[float]) -> tuple[float, ...]:
+    """How many times larger each figure is without generators; inf where it is 0 with them."""
+    return tuple(
+        a / b if b > 0.0 else float("inf") for a, b in zip(without, with_them, strict=True)
+    )
+
+
+def _largest(excess: Array) -> float:
+    return float(max(excess.max(initial=0.0), 0.0))
