@@ -37,6 +37,7 @@ demo: setup ## the main job: the arm changes its priorities (scenario priority_s
 
 run: setup ## one scenario: SCENARIO=name and the options below
 	@test -n "$(SCENARIO)" || { echo "run: say which one: make run SCENARIO=priority_switching" >&2; exit 2; }
+	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages "$(SCENARIO)"
 	@$(RUN) ghc_sim_bridge experiment --scenario "$(SCENARIO)" $(OPTIONS)
 
 paper: setup ## every experiment of the paper, and docs/results.md
@@ -46,6 +47,7 @@ bench: setup ## time per control step and round trips per second
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/run.py $(ARGS)
 
 test: setup ## all tests; ARGS goes to pytest
+	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all
 	@$(WORKSPACE) && exec .venv/bin/python -m pytest $(ARGS)
 
 lint: setup ## ruff and mypy

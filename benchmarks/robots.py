@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from benchmarks.extra_packages import install_missing
 from ghc_controller.robot_config import RobotConfig, load_robot_config
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.robots import find_robot
@@ -23,6 +22,7 @@ from ghc_controller.tasks.frame_position import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
+from tools.model_packages import install_missing
 from tools.workspace.layout import Layout
 
 _STIFFNESS, _DAMPING = 30.0, 20.0  # [1/s^2], [1/s] as in the paper
@@ -110,7 +110,7 @@ class Humanoid(BenchRobot):
     _MODEL = "iCubGazeboV2_5"  # the well-conditioned one among those of the package
 
     def __init__(self, layout: Layout) -> None:
-        install_missing("icub_models", layout)
+        install_missing("icub-models", layout)
         from icub_models import get_model_file
 
         text = Path(get_model_file(self._MODEL)).read_text(encoding="utf-8")

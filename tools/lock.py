@@ -1,7 +1,7 @@
 """Write the lock files: `make lock`, or `make lock UPGRADE=1` for newer versions.
 
 Every lock is made by the pinned uv and holds hashes. The ones without ROS are the same versions as
-the full ones, less what ROS 2 needs; the benchmark's hold what it needs on top.
+the full ones, less what ROS 2 needs; those of the robot models hold what comes on top.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ def main() -> int:
         same = ["--constraints", str(full.relative_to(root))]
         jobs.append((full, [*python, *upgrade, *own, "requirements/ros.in"]))
         jobs.append((layout.lock(Way.SYSTEM, version), [*python, *same, *own]))
-        bench = ["requirements/bench.in"]
-        jobs.append((layout.bench_lock(version), [*python, *upgrade, *same, *bench]))
+        models = ["requirements/models.in"]
+        jobs.append((layout.models_lock(version), [*python, *upgrade, *same, *models]))
     for target, arguments in jobs:
         name = str(target.relative_to(root))
         print(f"lock: {name}", flush=True)

@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio
 import pytest
 from numpy.typing import NDArray
+from robot_scenes import FIXED_SCENES
 
-from ghc_sim_bridge.scene_description import list_scenes
 from ghc_sim_bridge.simulator import Simulator
 
 STATES = 100
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 State = tuple[Array, Array]
 
 
-@pytest.fixture(params=list_scenes())
+@pytest.fixture(params=FIXED_SCENES)
 def simulator(request: pytest.FixtureRequest) -> Simulator:
     return Simulator(request.param)
 

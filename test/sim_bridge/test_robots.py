@@ -11,6 +11,7 @@ import yaml
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robots import find_robot, list_robots
+from ghc_controller.urdf_source import find_urdf
 
 
 def test_a_robot_is_found_by_name_by_file_and_by_folder() -> None:
@@ -31,7 +32,11 @@ def test_an_unknown_robot_is_refused_with_the_names_that_exist(tmp_path: Path) -
 def test_robot_files_name_frames_and_joints_of_their_urdf(name: str) -> None:
     file = find_robot(name)
     robot = yaml.safe_load(file.read_text(encoding="utf-8"))
-    model = pinocchio.buildModelFromUrdf(str(file.parent / robot["urdf"]))
+    try:
+        urdf = find_urdf(robot["urdf"], file)
+    except ConfigurationError as error:
+        pytest.skip(str(error))
+    model = pinocchio.buildModelFromUrdf(str(urdf))
     frames = {frame.name for frame in model.frames}
     for task in robot["tasks"]:
         assert "frame" not in task or task["frame"] in frames

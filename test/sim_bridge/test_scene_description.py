@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robot_scenes import FIXED_SCENES
 
 from ghc_controller.errors import ConfigurationError, GhcError, UnknownName
 from ghc_sim_bridge.scene import build_model
@@ -33,7 +34,7 @@ def test_scenes_are_found_by_name_and_by_path() -> None:
     assert find_scene(file) == find_scene(str(file)) == file
 
 
-@pytest.mark.parametrize("name", list_scenes())
+@pytest.mark.parametrize("name", FIXED_SCENES)
 def test_every_scene_starts_inside_the_joint_limits_and_above_its_surfaces(name: str) -> None:
     simulator = Simulator(name)
     lower, upper = simulator.position_limits.T
@@ -110,17 +111,30 @@ def test_names_that_the_robot_does_not_have_are_named(
 
 
 def test_an_unknown_scene_is_refused_with_the_ones_that_exist(tmp_path: Path) -> None:
-    with pytest.raises(UnknownName, match="unknown scene 'moon'; known: kuka_lwr, "):
+    with pytest.raises(UnknownName, match=r"unknown scene 'moon'; known: .*kuka_lwr, "):
         load_scene("moon")
     with pytest.raises(ConfigurationError, match=r"moon.yaml' does not exist.*kuka_lwr"):
         load_scene(tmp_path / "moon.yaml")
 
 
-def test_a_robot_with_a_floating_base_is_refused_in_one_line(tmp_path: Path) -> None:
-    (tmp_path / "robot.yaml").write_text("{urdf: x.urdf, floating_base: true}", encoding="utf-8")
-    file = scene_file(tmp_path, SCENE.replace("robot: kuka_lwr", "robot: ./robot.yaml"))
-    with pytest.raises(ConfigurationError, match="floating_base: the simulator knows robots with"):
-        load_scene(file)
+@pytest.mark.parametrize(
+    ("floating", "base", "message"),
+    [
+        ("true", "", "scene.yaml: base: is missing"),
+        ("maybe", "", "robot.yaml: floating_base: true or false is expected, 'maybe' given"),
+        ("false", "base: {stand_on: [foot]}", "scene.yaml: base: the robot's base is fixed"),
+        ("true", "base: {stand_on: []}", "base.stand_on: a list of frames is expected"),
+        ("true", "base: {stand_on: [foot], yaw: 1}", "base.yaw: unknown field; known: at, head"),
+    ],
+)
+def test_where_a_base_starts_is_given_for_a_floating_one_only(
+    tmp_path: Path, floating: str, base: str, message: str
+) -> None:
+    (tmp_path / "robot.yaml").write_text(f"{{urdf: x.urdf, floating_base: {floating}}}", "utf-8")
+    (tmp_path / "x.urdf").touch()
+    text = SCENE.replace("robot: kuka_lwr", "robot: ./robot.yaml") + base
+    with pytest.raises(ConfigurationError, match=message):
+        load_scene(scene_file(tmp_path, text))
 
 
 @pytest.mark.parametrize(

@@ -55,9 +55,9 @@ class Layout:
         kind = "lock" if way is Way.WHEELS else "lock-noros"
         return self.root / "requirements" / f"{kind}-py{version[0]}.{version[1]}.txt"
 
-    def bench_lock(self, version: tuple[int, ...]) -> Path:
-        """The lock file of what only the benchmark needs."""
-        return self.root / "requirements" / f"bench-py{version[0]}.{version[1]}.txt"
+    def models_lock(self, version: tuple[int, ...]) -> Path:
+        """The lock file of the robot models that come as Python packages."""
+        return self.root / "requirements" / f"models-py{version[0]}.{version[1]}.txt"
 
     def python_packages(self) -> list[Path]:
         """The packages of src/ that are plain Python (ament_python)."""

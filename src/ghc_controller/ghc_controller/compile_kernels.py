@@ -7,8 +7,9 @@ fraction of a second, without it some twenty seconds.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
-from ghc_controller.config import Fields
+from ghc_controller.config import Fields, read_yaml
 from ghc_controller.contacts import Contact
 from ghc_controller.controller import Controller
 from ghc_controller.controller_settings import ControllerSettings
@@ -16,6 +17,7 @@ from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.robot_config import RobotConfig, load_robot_config
 from ghc_controller.robots import find_robot, list_robots
 from ghc_controller.tasks.registry import make_task
+from ghc_controller.urdf_source import package_of
 
 _GAINS: dict[str, object] = {"stiffness": 30.0, "damping": 20.0}
 _CONTACTS: tuple[dict[str, object], ...] = (
@@ -26,7 +28,7 @@ _CONTACTS: tuple[dict[str, object], ...] = (
 
 def every_kind_of_task() -> RobotConfig:
     """A robot of this package with a task of every kind, one of them with force control."""
-    robot = load_robot_config(find_robot(list_robots()[0]))
+    robot = load_robot_config(_robot_file())
     frame = robot.model.frame_names[-1]
     force = {"axes": ["z"], "contact": frame, "integral": 1.0}
     entries: list[dict[str, object]] = [
@@ -43,6 +45,12 @@ def every_kind_of_task() -> RobotConfig:
     )
     hierarchy = " > ".join(task.name for task in tasks)
     return replace(robot, tasks=tasks, hierarchy=hierarchy, contacts=contacts)
+
+
+def _robot_file() -> Path:
+    """The first robot whose model needs no further package."""
+    files = map(find_robot, list_robots())
+    return next(file for file in files if not package_of(read_yaml(file).value("urdf"), file))
 
 
 def main() -> None:

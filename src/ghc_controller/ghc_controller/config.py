@@ -48,6 +48,10 @@ class Fields:
         self._known.append(field)
         return field in self._values
 
+    def value(self, field: str) -> Any:
+        """Whatever the field holds, for a reader of its own."""
+        return self._get(field, _MISSING)
+
     def text(self, field: str, default: str = _MISSING) -> str:
         """A non-empty string."""
         value = self._get(field, default)

@@ -13,6 +13,7 @@ from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.registry import make_task
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
+from ghc_controller.urdf_source import find_urdf
 
 _DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s]
 _DEFAULT_BRAKE_ACCELERATION = 5.0  # [rad/s^2]
@@ -24,7 +25,7 @@ class RobotConfig:
 
     ```yaml
     name: my_arm
-    urdf: my_arm.urdf            # relative to this file
+    urdf: my_arm.urdf            # relative to this file, or of a package: see urdf_source.py
     floating_base: false         # optional, default false
     limits:                      # optional; a number, or a map joint -> number, overrides the URDF
       velocity: 1.2              # [rad/s]
@@ -74,7 +75,7 @@ def load_robot_config(path: str | Path) -> RobotConfig:
     path = Path(path)
     fields = read_yaml(path)
     name = fields.text("name")
-    urdf = path.parent / fields.text("urdf")
+    urdf = find_urdf(fields.value("urdf"), path)
     floating_base = fields.flag("floating_base", False)
     limits = fields.section("limits")
     model = _build_model(urdf, floating_base, limits)

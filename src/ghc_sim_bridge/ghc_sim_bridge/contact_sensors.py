@@ -56,6 +56,19 @@ class ContactSensors:
                 wrench[:3] += force
                 wrench[3:] += torque + np.cross(arm, force)
 
+    def jacobian(self, data: mujoco.MjData) -> Array:
+        """(m, nv) in MuJoCo's terms: velocity of each touching point along the contact's normal,
+        and along both tangents where there is friction."""
+        rows = [np.empty((0, self._model.nv))]
+        whole = np.empty((3, self._model.nv))
+        for contact in data.contact:
+            for geom in (contact.geom1, contact.geom2):
+                if int(geom) in self._contact_of_geom:
+                    body = self._model.geom_bodyid[geom]
+                    mujoco.mj_jac(self._model, data, whole, None, contact.pos, body)
+                    rows.append(contact.frame.reshape(3, 3)[: contact.dim] @ whole)
+        return np.concatenate(rows)
+
     def wrenches(self) -> Mapping[str, Array]:
         """Name -> (6,) mean wrench since `clear`; copies."""
         return {name: wrench.copy() for name, wrench in self._wrenches.items()}

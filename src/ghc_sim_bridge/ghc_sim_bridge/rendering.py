@@ -21,9 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
+from ghc_sim_bridge.coordinates import FixedBase, FloatingBase
 from ghc_sim_bridge.errors import RenderingUnavailable
 from ghc_sim_bridge.joint_map import JointMap
-from ghc_sim_bridge.scene import build_model
+from ghc_sim_bridge.scene import build_model, joints_of
 from ghc_sim_bridge.scene_values import Camera, SceneDescription
 from ghc_sim_bridge.urdf_limits import read_limits
 
@@ -59,12 +60,13 @@ class Renderer:
         """
         self.size = (min(size[0], LARGEST_SIZE[0]), min(size[1], LARGEST_SIZE[1]))
         self._camera = _camera(scene.camera)
-        self._model = build_model(scene, 1e-3)
+        self._model = build_model(scene, 1e-3, shapes=True)
         self._data = mujoco.MjData(self._model)
-        native = tuple(self._model.joint(k).name for k in range(self._model.njnt))
-        self._joints = JointMap(
-            tuple(read_limits(scene.urdf)) if joint_names is None else joint_names, native
+        joints = JointMap(
+            tuple(read_limits(scene.urdf)) if joint_names is None else joint_names,
+            joints_of(self._model),
         )
+        self._coordinates = FixedBase(joints) if scene.base is None else FloatingBase(joints)
         self._option = mujoco.MjvOption()
         self._scene = mujoco.MjvScene(self._model, maxgeom=4000)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
@@ -75,8 +77,9 @@ class Renderer:
     def draw(
         self, q: ArrayLike, markers: Sequence[Marker] = (), camera: Camera | None = None
     ) -> Picture:
-        """Picture of the robot at posture q (n,) [rad], seen by the scene's camera or another."""
-        self._data.qpos[:] = self._joints.to_simulator(np.array(q, dtype=float))
+        """Picture of the robot at q (nq,), seen by the scene's camera or another."""
+        configuration = np.array(q, dtype=float)
+        self._data.qpos[:] = self._coordinates.configuration_to_simulator(configuration)
         mujoco.mj_forward(self._model, self._data)
         mujoco.mjv_updateScene(
             self._model,

@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.urdf_source import find_urdf
 from ghc_sim_bridge.yaml_fields import read_yaml
 
 
@@ -21,7 +22,7 @@ def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) 
     robot = read_yaml(source)
     merged = _merge(robot, {key: value for key, value in changes.items() if key != "tasks"})
     merged["tasks"] = _merge_tasks(source, robot.get("tasks", []), changes.get("tasks", {}))
-    merged["urdf"] = str((source.parent / merged["urdf"]).resolve())
+    merged["urdf"] = str(find_urdf(merged.get("urdf"), source).resolve())
     target.write_text(yaml.safe_dump(merged, sort_keys=False), encoding="utf-8")
     return target
 

@@ -6,31 +6,28 @@ or adds to a URDF (joint damping, inertia of shapes, balanced inertias) is switc
 
 from __future__ import annotations
 
-import re
-
 import mujoco
 import numpy as np
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_sim_bridge.scene_values import Contact, SceneDescription
 from ghc_sim_bridge.surroundings import ROBOT_BIT, WORLD_BIT, add_light_and_ground, add_surface
+from ghc_sim_bridge.urdf_text import WORLD_LINK, prepare_urdf
 
-# Compiler settings have to be there when the URDF is read. Static bodies are fused only later,
-# after their frames became sites; shapes are kept as they are for the pictures.
-_COMPILER = (
-    '<mujoco><compiler fusestatic="false" discardvisual="false" balanceinertia="false" '
-    'boundmass="0" boundinertia="0" strippath="false"/></mujoco>'
-)
+CONTACT_GAP = 1e-3  # [m] closer than this a point is listed as touching; force only from 0 on
 
 
-def build_model(scene: SceneDescription, physics_dt: float) -> mujoco.MjModel:
+def build_model(
+    scene: SceneDescription, physics_dt: float, shapes: bool = False
+) -> mujoco.MjModel:
     """Compile the scene; `physics_dt` [s] is the step of the integrator.
 
-    Every link of the URDF without a joint of its own (a frame) becomes a site of its name.
+    Every link of the URDF becomes a site of its name. The robot's shapes are for the eye and only
+    there when asked for: contacts are spheres of the scene.
 
     Raises ConfigurationError when the URDF cannot be used, UnknownName for a contact's frame.
     """
-    spec = _read_urdf(scene)
+    spec = _read_urdf(scene, shapes)
     _set_physics(spec, scene, physics_dt)
     _strip_robot(spec)
     frames = _add_frame_sites(spec)
@@ -45,21 +42,32 @@ def build_model(scene: SceneDescription, physics_dt: float) -> mujoco.MjModel:
         raise _refused(scene, error) from error
 
 
+def joints_of(model: mujoco.MjModel) -> tuple[str, ...]:
+    """Names of the joints of one coordinate, in MuJoCo's order."""
+    joints = (model.joint(k) for k in range(model.njnt))
+    return tuple(joint.name for joint in joints if joint.type[0] != mujoco.mjtJoint.mjJNT_FREE)
+
+
+def base_frame_of(model: mujoco.MjModel) -> str:
+    """Name of the link that floats; empty when the base is fixed."""
+    for k in range(model.njnt):
+        if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_FREE:
+            return str(model.body(model.jnt_bodyid[k]).name)
+    return ""
+
+
 def contact_geom_names(contact: Contact) -> tuple[str, ...]:
     """Names of the contact's spheres in the model."""
     return tuple(f"contact/{contact.name}/{k}" for k in range(len(contact.points)))
 
 
-def _read_urdf(scene: SceneDescription) -> mujoco.MjSpec:
+def _read_urdf(scene: SceneDescription, shapes: bool) -> mujoco.MjSpec:
     try:
-        text = scene.urdf.read_text(encoding="utf-8").replace("package://", "")
+        text = scene.urdf.read_text(encoding="utf-8")
     except OSError as error:
         raise ConfigurationError(f"{scene.urdf}: cannot be read: {error.strerror}") from error
-    text, found = re.subn(r"(<robot\b[^>]*>)", rf"\1{_COMPILER}", text, count=1)
-    if not found:
-        raise ConfigurationError(f"{scene.urdf}: not a URDF, it has no <robot> element")
     try:
-        return mujoco.MjSpec.from_string(text)
+        return mujoco.MjSpec.from_string(prepare_urdf(text, scene, shapes))
     except ValueError as error:
         raise _refused(scene, error) from error
 
@@ -99,7 +107,8 @@ def _strip_robot(spec: mujoco.MjSpec) -> None:
 
 
 def _add_frame_sites(spec: mujoco.MjSpec) -> tuple[str, ...]:
-    frames = [b for b in spec.bodies if b is not spec.worldbody and b.name and not b.joints]
+    none = ("", spec.worldbody.name, WORLD_LINK)
+    frames = [body for body in spec.bodies if body.name not in none]
     for body in frames:
         body.add_site(name=body.name, group=5)
     return tuple(body.name for body in frames)
@@ -122,5 +131,6 @@ def _add_contact(spec: mujoco.MjSpec, contact: Contact, frames: tuple[str, ...])
             condim=3 if contact.friction > 0.0 else 1,
             friction=[contact.friction, 0.0, 0.0],
             solref=[contact.time_constant, contact.damping_ratio],
+            gap=CONTACT_GAP,
             priority=1,  # the contact's friction and softness hold, whatever it touches
         )

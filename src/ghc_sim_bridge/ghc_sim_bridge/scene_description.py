@@ -11,9 +11,18 @@ from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robots import find_robot
+from ghc_controller.urdf_source import find_urdf
 from ghc_sim_bridge.obstacle_fields import read_obstacle, read_sensor_period
-from ghc_sim_bridge.scene_fields import read_camera, read_contact, read_surface, read_vector
+from ghc_sim_bridge.scene_fields import (
+    read_base,
+    read_camera,
+    read_contact,
+    read_limit,
+    read_surface,
+    read_vector,
+)
 from ghc_sim_bridge.scene_values import (
+    BaseStart,
     Camera,
     Contact,
     Obstacle,
@@ -65,7 +74,8 @@ def load_scene(scene: str | Path) -> SceneDescription:
     """
     file = find_scene(scene)
     fields = Fields(read_yaml(file), file)
-    robot_file, urdf = _robot(fields)
+    robot_file, robot, urdf = _robot(fields)
+    limits = robot.section("limits", {})
     start = fields.section("start")
     description = SceneDescription(
         name=fields.text("name", file.stem),
@@ -73,6 +83,9 @@ def load_scene(scene: str | Path) -> SceneDescription:
         robot_file=robot_file,
         urdf=urdf,
         start={joint: start.number(joint) for joint in start.names()},
+        base=_base(fields, robot),
+        torque_limit=read_limit(limits, "torque"),
+        velocity_limit=read_limit(limits, "velocity"),
         gravity=read_vector(fields, "gravity", (0.0, 0.0, -9.81)),
         surfaces=tuple(read_surface(entry) for entry in fields.items("surfaces", ())),
         contacts=tuple(read_contact(entry) for entry in fields.items("contacts", ())),
@@ -95,16 +108,27 @@ def _scene_folder() -> Path:
     return Path(str(files("ghc_sim_bridge"))) / "scenes"
 
 
-def _robot(fields: Fields) -> tuple[Path, Path]:
+def _robot(fields: Fields) -> tuple[Path, Fields, Path]:
+    """File and fields of the robot.yaml, and the URDF that it names."""
     name = fields.text("robot")
     try:
         robot_file = find_robot(fields.file.parent / name if name.startswith(".") else name)
     except (UnknownName, ConfigurationError) as error:
         raise fields.error("robot", str(error)) from error
     robot = Fields(read_yaml(robot_file), robot_file)
-    if robot.value("floating_base", False) is not False:
-        raise robot.error("floating_base", "the simulator knows robots with a fixed base only")
-    urdf = robot_file.parent / robot.text("urdf")
+    urdf = find_urdf(robot.value("urdf"), robot_file)
     if not urdf.is_file():
         raise robot.error("urdf", f"'{urdf}' does not exist")
-    return robot_file, urdf
+    return robot_file, robot, urdf
+
+
+def _base(fields: Fields, robot: Fields) -> BaseStart | None:
+    """Where the base starts; given for a robot with a floating base, and for no other."""
+    floating = robot.value("floating_base", False)
+    if not isinstance(floating, bool):
+        raise robot.error("floating_base", f"true or false is expected, {floating!r} given")
+    if floating:
+        return read_base(fields.section("base"))
+    if fields.has("base"):
+        raise fields.error("base", "the robot's base is fixed, it has no start of its own")
+    return None

@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from ghc_sim_bridge.scene_values import SURFACE_KINDS, Camera, Colour, Contact, Surface, Vector
+from ghc_sim_bridge.scene_values import (
+    SURFACE_KINDS,
+    BaseStart,
+    Camera,
+    Colour,
+    Contact,
+    Limit,
+    Surface,
+    Vector,
+)
 from ghc_sim_bridge.yaml_fields import Fields
 
 
@@ -63,6 +73,30 @@ def read_camera(fields: Fields) -> Camera:
     )
     fields.close()
     return camera
+
+
+def read_base(fields: Fields) -> BaseStart:
+    """The `base`."""
+    frames = fields.value("stand_on")
+    if not isinstance(frames, list) or not frames or not all(isinstance(f, str) for f in frames):
+        raise fields.error("stand_on", f"a list of frames is expected, {frames!r} given")
+    base = BaseStart(
+        stand_on=tuple(frames),
+        at=read_vector(fields, "at", (0.0, 0.0, 0.0)),
+        heading=fields.number("heading", 0.0),
+    )
+    fields.close()
+    return base
+
+
+def read_limit(fields: Fields, name: str) -> Limit:
+    """A limit of robot.yaml: one number, numbers by joint, or None for those of the URDF."""
+    if not fields.has(name):
+        return None
+    if not isinstance(fields.value(name), Mapping):
+        return fields.number(name)
+    joints = fields.section(name)
+    return {joint: joints.number(joint) for joint in joints.names()}
 
 
 def read_vector(fields: Fields, name: str, default: Vector | None = None) -> Vector:

@@ -8,8 +8,18 @@ from pathlib import Path
 
 Vector = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
+Limit = float | Mapping[str, float] | None
 
 SURFACE_KINDS = ("plane", "box")
+
+
+@dataclass(frozen=True)
+class BaseStart:
+    """Where a floating base starts: frames of the robot that lie flat on something."""
+
+    stand_on: tuple[str, ...]  # frames of the URDF; z of the first one points up
+    at: Vector  # [m] mean of their origins, world
+    heading: float  # [deg] about z, of the x axis of the first one; 0 = along +x
 
 
 @dataclass(frozen=True)
@@ -76,6 +86,9 @@ class SceneDescription:
     robot_file: Path
     urdf: Path
     start: Mapping[str, float]  # joint -> [rad]
+    base: BaseStart | None  # None = the robot's base is fixed
+    torque_limit: Limit  # [Nm] of robot.yaml: one number, joint -> number, None = the URDF's
+    velocity_limit: Limit  # [rad/s] likewise
     gravity: Vector  # [m/s^2]
     surfaces: tuple[Surface, ...]
     contacts: tuple[Contact, ...]
