@@ -44,7 +44,12 @@ def _pushing(smoothing: bool) -> Run:
     simulator = Simulator("kuka_lwr_plane", control_dt=DT, physics_dt=DT)
     q = np.array([-0.683, -0.967, 0.937, 1.640, -0.413, 0.134, 0.0])
     robot = load_robot_config(find_robot("kuka_lwr"))
-    entry = {"name": "tool", "frame": "tool", "points": [[0, 0, 0]], "normal": [0, 0, 1]}
+    entry: dict[str, object] = {
+        "name": "tool",
+        "frame": "tool",
+        "points": [[0, 0, 0]],
+        "normal": [0, 0, 1],
+    }
     entry |= {"friction": 0.0, "force_task": {"weight": 1.0}}
     contact = Contact.from_config(Fields(entry, "test"), robot.model)
     controller = Controller(replace(robot, contacts=(contact,)), SETTINGS)

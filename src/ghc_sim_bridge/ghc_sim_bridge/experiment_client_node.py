@@ -86,9 +86,7 @@ class ExperimentClient(Node):
         self._matrices = self.create_subscription(
             PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED
         )
-        self.create_subscription(
-            ControllerState, REPORT_TOPIC, self._on_controller_state, _STREAM
-        )
+        self.create_subscription(ControllerState, REPORT_TOPIC, self._on_controller_state, _STREAM)
 
     def watch_states(self, watch: bool) -> None:
         """Read the joint states or stop doing so: at 1 kHz reading them is not free."""

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.types import Array
 
+FIXED = 1e-8  # [-] of a task row's length: what is left of one that a contact holds
 _RANK_TOLERANCE = 1e-9  # [-] of the largest singular value of the contacts' motion rows
 
 
@@ -63,9 +65,12 @@ def reduce_contacts(problem: ControlProblem) -> ReducedProblem:
     torque_matrix = problem.mass_matrix @ basis
     torque_offset = problem.bias + problem.mass_matrix @ offset
     force = -contacts.force_jacobian.T
+    jacobian = np.ascontiguousarray(problem.jacobian @ basis)
+    target = problem.target - problem.jacobian @ offset
+    clear_fixed_rows(problem.jacobian, jacobian, target)
     return ReducedProblem(
-        np.ascontiguousarray(problem.jacobian @ basis),
-        problem.target - problem.jacobian @ offset,
+        jacobian,
+        target,
         basis,
         offset,
         torque_matrix[u:],
@@ -76,6 +81,20 @@ def reduce_contacts(problem: ControlProblem) -> ReducedProblem:
         -torque_offset[:u],
         problem,
     )
+
+
+@njit(cache=True)
+def clear_fixed_rows(before: Array, jacobian: Array, target: Array) -> None:  # pragma: no cover
+    """Zero rows of which the contacts leave only rounding: noise is no direction to project on."""
+    for r in range(before.shape[0]):
+        whole, left = 0.0, 0.0
+        for c in range(before.shape[1]):
+            whole += before[r, c] * before[r, c]
+        for c in range(jacobian.shape[1]):
+            left += jacobian[r, c] * jacobian[r, c]
+        if left <= FIXED * FIXED * whole:
+            jacobian[r] = 0.0
+            target[r] = 0.0
 
 
 def null_motion(rows: Array, target: Array) -> tuple[Array, Array]:
