@@ -74,7 +74,7 @@ class ConstraintTrace:
         """Add one ControllerState at `time` [s], later than the ones before."""
         row = len(self._time)
         self._time.append(time)
-        asked = getattr(state, "contact_forces", None) or [np.nan] * len(state.bounded_contacts)
+        asked = state.contact_forces or [np.nan] * len(state.bounded_contacts)
         for name, *values in zip(
             state.bounded_contacts, state.contact_lower, state.contact_upper, asked, strict=True
         ):
