@@ -26,12 +26,13 @@ from ghc_sim_bridge.generator_metrics import (
     event_peaks,
     event_windows,
     force_following,
-    obstacle_distance,
     ratios,
 )
 from ghc_sim_bridge.generator_script import Event
+from ghc_sim_bridge.obstacle_distance import obstacle_distance
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
+from ghc_sim_bridge.scene_values import Obstacle, Sighting
 
 DT = 1e-3
 JOINTS = tuple(f"joint_{k}" for k in range(1, 8))
@@ -147,11 +148,16 @@ def test_the_distance_ahead_counts_the_obstacles_speed() -> None:
     trace = ConstraintTrace()
     for time in log.time[::10]:
         trace.append(float(time), threatened([x + 0.25, 0.0, 0.0], [-0.3, 0.0, 0.0]))
-    history = obstacle_distance(trace.series(), "wall", log, model, 0.1)
+    track = (Sighting(0.0, (x + 0.19, 0.0, 0.0)), Sighting(0.0495, None))
+    wall = Obstacle("wall", "tool", 0.2, (-1.0, 0.0, 0.0), track)
+    history = obstacle_distance(trace.series(), wall, log, model, 0.1)
     np.testing.assert_allclose(history.virtual, 0.25)
     np.testing.assert_allclose(history.predicted, 0.22, atol=1e-9)
+    np.testing.assert_allclose(history.actual[:5], 0.19)
+    assert np.isnan(history.actual[5:]).all(), "not seen any more"
+    assert history.time_inside == pytest.approx(0.05)
     assert history.violation == history.closest == 0.0
-    further = obstacle_distance(trace.series(), "wall", log, model, 0.2)
+    further = obstacle_distance(trace.series(), wall, log, model, 0.2)
     assert further.violation == pytest.approx(0.2 - 0.19)
 
 

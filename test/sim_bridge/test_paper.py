@@ -10,11 +10,17 @@ import pytest
 
 from ghc_controller.errors import UnknownName
 from ghc_sim_bridge import paper
+from ghc_sim_bridge import paper_generator_sections as generators
 from ghc_sim_bridge import paper_motion_sections as motion
 from ghc_sim_bridge import paper_switching_sections as switching
 from ghc_sim_bridge.markdown import number, table
 from ghc_sim_bridge.paper_document import write_document
-from ghc_sim_bridge.paper_runs import PAPER_RUNS, choose_runs
+from ghc_sim_bridge.paper_runs import (
+    GENERATOR_PAIRS,
+    PAPER_RUNS,
+    choose_runs,
+    wants_studies,
+)
 
 TASKS = {"end_effector": "m", "elbow": "m", "posture": "rad"}
 HIERARCHIES = ("posture > elbow > end_effector", "end_effector > elbow > posture")
@@ -163,3 +169,58 @@ def test_numbers_keep_two_significant_digits(value: float | None, text: str) -> 
 
 def test_a_table_has_as_many_marks_as_columns() -> None:
     assert table(["a", "b"], [["x", "1"]]) == "| a | b |\n| --- | ---: |\n| x | 1 |"
+
+
+def compared(contacts: dict[str, Any], obstacles: dict[str, Any]) -> dict[str, Any]:
+    """A summary with a comparison of one event."""
+    event = {
+        "name": "bound steps",
+        "time_s": 5.0,
+        "peak_torque_rate_nm_per_s": {"off": 5000.0, "on": 20.0},
+        "ratio": 250.0,
+    }
+    data = {
+        "control_dt_s": 1e-3,
+        "events": [event],
+        "contacts": contacts,
+        "obstacles": obstacles,
+    }
+    return {"comparison": data}
+
+
+def test_sections_on_generators_hold_the_ratio_of_every_event_and_how_bounds_were_kept() -> None:
+    force = {
+        "qp_violation": 0.0,
+        "difference_rms": 0.05,
+        "difference_largest": 4.5,
+        "above_upper": 0.03,
+    }
+    way = {"qp_violation_m": 0.0, "inside_safe_distance_s": 1.5}
+    summaries = {
+        "force_bound_step": compared({"tip": {"off": force, "on": force}}, {}),
+        "obstacle_jump": compared({}, {"wall": {"off": None, "on": way}}),
+    }
+    text = generators.force_section(summaries, frozenset({"force_bound_step.png"}))
+    assert "| bound steps | 5 | 5000 | 20 | 250 |" in text
+    assert "at most 4.5 N" in text and "contact `tip`, smoothed bounds" in text
+    assert "figures/force_bound_step.png" in text and "at 1 ms" in text
+    text = generators.obstacle_section(summaries, frozenset())
+    assert "obstacle `wall`, smoothed bounds" in text and "for 1.5 s" in text
+    assert "raw bounds: the distance" not in text and "![" not in text
+    assert generators.force_section({}, frozenset()) == ""
+    assert generators.obstacle_section({"obstacle_jump": {}}, frozenset()) == ""
+
+
+def test_pairs_are_the_same_scenario_with_raw_and_with_smoothed_bounds(tmp_path: Path) -> None:
+    plans = {run.name: run.plan(tmp_path) for run in PAPER_RUNS}
+    for name, other in GENERATOR_PAIRS.items():
+        assert plans[name].scenario.name == plans[other].scenario.name
+        assert (plans[name].options.generators, plans[other].options.generators) == (True, False)
+    with_generators = {p.scenario.name for p in plans.values() if p.scenario.generators}
+    assert with_generators == set(GENERATOR_PAIRS)
+
+
+def test_the_studies_are_made_with_everything_or_by_their_name() -> None:
+    assert wants_studies([]) and wants_studies(["hqp", "studies"])
+    assert not wants_studies(["hqp"])
+    assert choose_runs(["studies"]) == ()

@@ -14,13 +14,13 @@ from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import Analysis
 from ghc_sim_bridge.constraint_series import ConstraintSeries
 from ghc_sim_bridge.generator_metrics import (
-    DistanceHistory,
     ForceFollowing,
     event_peaks,
     event_windows,
     force_following,
-    obstacle_distance,
 )
+from ghc_sim_bridge.obstacle_distance import DistanceHistory, obstacle_distance
+from ghc_sim_bridge.scene_description import load_scene
 from ghc_sim_bridge.yaml_fields import read_yaml
 
 Array = NDArray[np.float64]
@@ -51,7 +51,11 @@ class GeneratorAnalysis:
             ],
             "contacts": {name: asdict(values) for name, values in self.following.items()},
             "obstacles": {
-                name: {"qp_violation_m": history.violation, "closer_than_safe_m": history.closest}
+                name: {
+                    "qp_violation_m": history.violation,
+                    "closer_than_safe_m": history.closest,
+                    "inside_safe_distance_s": history.time_inside,
+                }
                 for name, history in self.distances.items()
             },
         }
@@ -78,8 +82,9 @@ def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> Generato
             name: force_following(series, name, log.time, force) for name, force in forces.items()
         },
         distances={
-            name: obstacle_distance(series, name, log, analysis.robot.model, horizon)
-            for name in series.obstacles
+            obstacle.id: obstacle_distance(series, obstacle, log, analysis.robot.model, horizon)
+            for obstacle in load_scene(plan.scenario.scene).obstacles
+            if obstacle.id in series.obstacles
         },
     )
 

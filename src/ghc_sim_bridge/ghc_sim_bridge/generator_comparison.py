@@ -135,6 +135,6 @@ def _way(values: Mapping[str, float] | None) -> str:
     if values is None:
         return "never seen"
     return (
-        f"eq. 4.2 missed by at most {values['qp_violation_m']:.1e} m; closer than the safe "
-        f"distance by at most {1e3 * values['closer_than_safe_m']:.2g} mm"
+        f"eq. 4.2 missed by at most {values['qp_violation_m']:.1e} m; inside the safe "
+        f"distance of the obstacle itself for {values['inside_safe_distance_s']:.2g} s"
     )

@@ -67,10 +67,11 @@ def _draw_distance(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
     if name not in run.distances:
         return
     history = run.distances[name]
-    ax.plot(history.time, history.virtual, color=colour(0), label="to the obstacle as controlled")
+    ax.plot(history.time, history.actual, color=colour(5), lw=1.0, label="to the obstacle itself")
+    ax.plot(history.time, history.virtual, color=colour(0), label="to that of the controller")
     ax.plot(history.time, history.safe_distance, color="#000000", ls="--", lw=1.0, label="safe")
     safe = float(history.safe_distance.max(initial=0.0))
-    ax.set_ylim(0.6 * safe, 2.2 * safe)
+    ax.set_ylim(0.5 * safe, 2.2 * safe)
     ax.set_ylabel(f"distance to\n{name} [m]")
 
 

@@ -9,18 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ghc_controller.robot_model import RobotModel
-from ghc_sim_bridge.constraint_series import (
-    ACCELERATION,
-    FORCE,
-    LOWER,
-    NORMAL,
-    POSITION,
-    SAFE_DISTANCE,
-    UPPER,
-    VELOCITY,
-    ConstraintSeries,
-)
+from ghc_sim_bridge.constraint_series import FORCE, LOWER, UPPER, ConstraintSeries
 from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.generator_script import Event
 from ghc_sim_bridge.metrics import peak_torque_rate
@@ -39,26 +28,6 @@ class ForceFollowing:
     difference_rms: float  # [N] of simulated and asked force, while in contact
     difference_largest: float  # [N]
     above_upper: float  # [N] largest excess of the simulated force over the bound in force
-
-
-@dataclass(frozen=True, slots=True)
-class DistanceHistory:
-    """One obstacle and the frame that it threatens, at S times."""
-
-    time: Array  # (S,) [s]
-    virtual: Array  # (S,) [m] distance to the obstacle as the controller had it, along the normal
-    predicted: Array  # (S,) [m] the same after the horizon of eq. 4.2
-    safe_distance: Array  # (S,) [m]
-
-    @property
-    def violation(self) -> float:
-        """Largest lack of the predicted distance [m]: of eq. 4.2, with what was simulated."""
-        return _largest(self.safe_distance - self.predicted)
-
-    @property
-    def closest(self) -> float:
-        """Largest lack of the distance itself [m]."""
-        return _largest(self.safe_distance - self.virtual)
 
 
 def event_windows(
@@ -104,38 +73,11 @@ def force_following(
     on = upper > 0.0
     difference = np.abs(sensed - asked)[on]
     return ForceFollowing(
-        qp_violation=_largest(np.maximum(lower - asked, asked - upper)),
+        qp_violation=largest(np.maximum(lower - asked, asked - upper)),
         difference_rms=float(np.sqrt(np.mean(difference**2))) if on.any() else 0.0,
-        difference_largest=_largest(difference),
-        above_upper=_largest((sensed - upper)[on]),
+        difference_largest=largest(difference),
+        above_upper=largest((sensed - upper)[on]),
     )
-
-
-def obstacle_distance(
-    series: ConstraintSeries, name: str, log: FullRateLog, model: RobotModel, horizon: float
-) -> DistanceHistory:
-    """Distance to an obstacle as the controller had it, and that of eq. 4.2 after `horizon` [s].
-
-    Velocity and acceleration of the frame are those of the simulation.
-    """
-    values = series.obstacles[name]
-    present = np.isfinite(values).all(axis=1)
-    times, values = series.time[present], values[present]
-    rows = np.minimum(np.searchsorted(log.time, times - _SAME_TIME), len(log.time) - 1)
-    order = [log.joint_names.index(joint) for joint in model.joint_names]
-    frame = model.frame_id(series.frames[name])
-    virtual, predicted = np.empty(len(rows)), np.empty(len(rows))
-    for k, row in enumerate(rows):
-        model.update(log.q[row, order], log.v[row, order])
-        acceleration = model.frame_jacobian(frame)[:3] @ log.acceleration[row, order]
-        acceleration = acceleration + model.frame_drift(frame)[:3]
-        normal = values[k, NORMAL]
-        distance = normal @ (model.frame_position(frame) - values[k, POSITION])
-        speed = normal @ (model.frame_velocity(frame)[:3] - values[k, VELOCITY])
-        growth = normal @ (acceleration - values[k, ACCELERATION])
-        virtual[k] = distance
-        predicted[k] = distance + horizon * (speed + 0.5 * horizon * growth)
-    return DistanceHistory(times, virtual, predicted, values[:, SAFE_DISTANCE])
 
 
 def ratios(without: Sequence[float], with_them: Sequence[float]) -> tuple[float, ...]:
@@ -145,5 +87,6 @@ def ratios(without: Sequence[float], with_them: Sequence[float]) -> tuple[float,
     )
 
 
-def _largest(excess: Array) -> float:
-    return float(max(excess.max(initial=0.0), 0.0))
+def largest(excess: Array) -> float:
+    """Largest entry above 0, else 0; NaN is passed over."""
+    return float(np.nanmax(excess, initial=0.0))

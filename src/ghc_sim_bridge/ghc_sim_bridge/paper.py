@@ -1,18 +1,27 @@
-"""`paper`: run the experiments of the GHC paper and write docs/results.md from their summaries."""
+"""`paper`: run the experiments of paper and thesis, write docs/results.md from their summaries."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from ghc_controller.errors import GhcError
+from ghc_sim_bridge.generator_comparison import compare_generators
 from ghc_sim_bridge.interrupts import interruptible
 from ghc_sim_bridge.paper_document import PaperResult, write_document
-from ghc_sim_bridge.paper_runs import PAPER_RUNS, PaperRun, choose_runs
+from ghc_sim_bridge.paper_runs import (
+    GENERATOR_PAIRS,
+    PAPER_RUNS,
+    STUDIES,
+    PaperRun,
+    choose_runs,
+    wants_studies,
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -28,7 +37,9 @@ def _run_all(options: argparse.Namespace) -> int:
         print(f"paper: {error}", file=sys.stderr)
         return 2
     failed = [run.name for run in chosen if not _run(run, options.output)]
-    results = _collect(options.output)
+    if not options.document_only and wants_studies(options.only) and not _study(options.docs):
+        failed.append(STUDIES)
+    results = _with_comparisons(_collect(options.output))
     path = write_document(results, options.docs)
     print(f"\n{path} written from {len(results)} of {len(PAPER_RUNS)} runs")
     if failed:
@@ -47,6 +58,28 @@ def _run(run: PaperRun, output: Path) -> bool:
         return False
 
 
+def _study(docs: Path) -> bool:
+    """The thesis' studies of the generators, which write a document of their own."""
+    from ghc_sim_bridge.processes import find_executable
+
+    try:
+        command = [str(find_executable("ghc_mpc_constraints", STUDIES)), "--docs", str(docs)]
+        return subprocess.run(command, check=False).returncode == 0
+    except (GhcError, OSError) as error:
+        print(f"paper: {STUDIES}: {error}", file=sys.stderr)
+        return False
+
+
+def _with_comparisons(results: dict[str, PaperResult]) -> dict[str, PaperResult]:
+    """The same results; runs with smoothed bounds carry the comparison with those without."""
+    for name, other in GENERATOR_PAIRS.items():
+        if name in results and other in results:
+            off, on = results[other], results[name]
+            data = compare_generators(off.plan, on.plan, (off.summary, on.summary))
+            results[name] = PaperResult(on.plan, {**on.summary, "comparison": data})
+    return results
+
+
 def _collect(output: Path) -> dict[str, PaperResult]:
     """Results of all paper runs that have been made, now or before, by name."""
     results = {}
@@ -62,8 +95,8 @@ def _collect(output: Path) -> dict[str, PaperResult]:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="paper",
-        description="Run the GHC paper's experiments and write docs/results.md.",
-        epilog=f"runs: {', '.join(run.name for run in PAPER_RUNS)}",
+        description="Run the experiments of the GHC paper and the thesis, write docs/results.md.",
+        epilog=f"runs: {', '.join(run.name for run in PAPER_RUNS)}, {STUDIES}",
     )
     parser.add_argument(
         "--only",

@@ -1,4 +1,4 @@
-"""docs/results.md: the paper's figures beside ours, written from the summaries of the runs."""
+"""docs/results.md: figures of paper and thesis beside ours, written from the runs' summaries."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ghc_sim_bridge import paper_generator_sections as generators
 from ghc_sim_bridge import paper_motion_sections as motion
 from ghc_sim_bridge import paper_switching_sections as switching
 from ghc_sim_bridge.markdown import number, table
@@ -14,14 +15,15 @@ from ghc_sim_bridge.paper_pictures import write_pictures
 from ghc_sim_bridge.paper_runs import PAPER_RUNS
 from ghc_sim_bridge.run_plan import RunPlan
 
-_HEAD = """# Results: the experiments of the GHC paper
+_HEAD = """# Results: the experiments of the GHC paper and of the thesis
 
 Written by `make paper` from the summaries of its runs; nothing here is typed in by hand. Each run
 is the whole stack: bridge, controller and recorder as processes that talk over DDS, in lockstep.
 *The paper* is Liu, Tan and Padois, *Generalized hierarchical control* (Autonomous Robots, 2016);
-*the thesis* is its longer form, chapter 3. Tasks: 1 = end effector (position), 2 = elbow
-(position), 3 = posture. Gains, transition profile (eq. 15) and regularisation are the paper's:
-stiffness 30 /s², damping 20 /s (100 and 20 for a moving target), weight 0.01. The torque rate
+*the thesis* is M. Liu's of 2016: chapter 3 is the paper's longer form, chapters 4 and 5 smooth
+constraints that jump (studies without a robot: [mpc_studies.md](mpc_studies.md)). Tasks: 1 = end
+effector (position), 2 = elbow (position), 3 = posture. Gains, transition profile (eq. 15) and
+regularisation are the paper's: stiffness 30 /s², damping 20 /s (100 and 20 for a moving target), weight 0.01. The torque rate
 limit is off unless a line says otherwise, so that the figures compare methods and not the gate.
 A torque rate is the largest torque step of a joint over the control period, and stands beside it.
 
@@ -62,6 +64,8 @@ def write_document(results: Results, docs: Path) -> Path:
         motion.lemniscate_section(summaries, pictures),
         motion.contact_section(summaries, pictures),
         motion.nonstrict_section(summaries, pictures),
+        generators.force_section(summaries, pictures),
+        generators.obstacle_section(summaries, pictures),
         _runs_section(summaries),
     ]
     path = docs / "results.md"

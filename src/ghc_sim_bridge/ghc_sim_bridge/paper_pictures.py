@@ -16,6 +16,8 @@ from ghc_sim_bridge.comparison_figures import (
 )
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.full_rate_log import FullRateLog
+from ghc_sim_bridge.generator_comparison import FIGURE, comparison_folder
+from ghc_sim_bridge.paper_runs import GENERATOR_PAIRS
 from ghc_sim_bridge.run_plan import RunPlan
 
 SWITCHING_RUNS = {
@@ -65,6 +67,11 @@ def write_pictures(results: Mapping[str, Result], folder: Path) -> frozenset[str
             if source is not None and source.is_file():
                 shutil.copyfile(source, folder / f"{target}.png")
                 written.add(f"{target}.png")
+    for name in GENERATOR_PAIRS:
+        source = comparison_folder(results[name].plan) / FIGURE if name in results else None
+        if source is not None and source.is_file():
+            shutil.copyfile(source, folder / f"{name}.png")
+            written.add(f"{name}.png")
     present = [name for name in SWITCHING_RUNS if name in results]
     if present:
         logs = {

@@ -33,6 +33,18 @@ def _switching(name: str, formulation: str, transition: float | None = None) -> 
     return PaperRun(name, "priority_switching", options=options)
 
 
+def _pair(scenario: str) -> tuple[PaperRun, PaperRun]:
+    """A scenario of the thesis with raw and with smoothed bounds."""
+    return (
+        PaperRun(f"{scenario}_off", scenario, options=RunOptions(generators=False)),
+        PaperRun(scenario, scenario, options=RunOptions(generators=True)),
+    )
+
+
+# Runs of `_pair`: by the name of the one with smoothed bounds.
+GENERATOR_PAIRS = {name: f"{name}_off" for name in ("force_bound_step", "obstacle_jump")}
+STUDIES = "studies"  # of ghc_mpc_constraints, without a robot
+
 PAPER_RUNS = (
     _switching("balanced", "balanced"),
     _switching("ghc", "ghc"),
@@ -63,18 +75,30 @@ PAPER_RUNS = (
     PaperRun("nonstrict_0.2", "nonstrict", "alpha_12_0.2"),
     PaperRun("nonstrict_0.5", "nonstrict", "alpha_12_0.5"),
     PaperRun("nonstrict_0.8", "nonstrict", "alpha_12_0.8"),
+    *_pair("force_bound_step"),
+    *_pair("obstacle_jump"),
 )
 
 
 def choose_runs(names: Sequence[str]) -> tuple[PaperRun, ...]:
-    """Runs by name or by scenario, all when none is given. Raises UnknownName."""
+    """Runs by name or by scenario, all when none is given; `studies` is none of them.
+
+    Raises UnknownName.
+    """
     if not names:
         return PAPER_RUNS
-    chosen = []
+    chosen: list[PaperRun] = []
     for name in names:
+        if name == STUDIES:
+            continue
         found = [run for run in PAPER_RUNS if name in (run.name, run.scenario)]
         if not found:
             known = dict.fromkeys(key for run in PAPER_RUNS for key in (run.name, run.scenario))
-            raise UnknownName("paper run", name, known)
+            raise UnknownName("paper run", name, (*known, STUDIES))
         chosen += [run for run in found if run not in chosen]
     return tuple(chosen)
+
+
+def wants_studies(names: Sequence[str]) -> bool:
+    """Whether the studies are among the chosen names, or all is."""
+    return not names or STUDIES in names
