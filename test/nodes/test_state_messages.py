@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import WrenchStamped
+from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
+from ghc_controller.ros_conversions import base_from_message
 from ghc_sim_bridge.ros_conversions import (
     nanoseconds_from_time,
     time_from_nanoseconds,
@@ -18,6 +20,7 @@ from ghc_sim_bridge.ros_conversions import (
 from ghc_sim_bridge.state_cdr import (
     JointStateEncoder,
     JointStateLayout,
+    OdometryEncoder,
     WrenchEncoder,
     encode_clock,
     read_stamp,
@@ -101,3 +104,21 @@ def test_wrench_and_clock_survive_the_wire(stamp: int) -> None:
 def test_stamps_round_trip(stamp: int) -> None:
     assert nanoseconds_from_time(time_from_nanoseconds(stamp)) == stamp
     assert time_from_nanoseconds(1_500_000_000) == Time(sec=1, nanosec=500_000_000)
+
+
+@pytest.mark.parametrize("frame_id", ["", "0", "17", "65536"])
+@pytest.mark.parametrize("child", ["base", "root_link", "l"])
+def test_odometry_survives_the_wire(frame_id: str, child: str) -> None:
+    """Whatever the lengths of the names and so the alignment of the numbers."""
+    rng = np.random.default_rng(len(frame_id) + len(child))
+    encoder = OdometryEncoder(frame_id, child)
+    for stamp in STAMPS:
+        pose, twist = rng.normal(size=7), rng.normal(size=6)
+        pose[3:] /= np.linalg.norm(pose[3:])
+        message = deserialize_message(encoder.encode(stamp, pose, twist), Odometry)
+        assert (message.header.frame_id, message.child_frame_id) == (frame_id, child)
+        assert nanoseconds_from_time(message.header.stamp) == stamp
+        assert base_from_message(message) == pytest.approx(np.concatenate([pose, twist]))
+        assert not message.pose.covariance.any() and not message.twist.covariance.any()
+        again = deserialize_message(serialize_message(message), Odometry)
+        assert again == message

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from robot_scenes import FLOATING_SCENES
 
 from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_sim_bridge.control_cycle import ControlCycle
 from ghc_sim_bridge.simulator import Simulator
 from ghc_sim_bridge.standing_hold import StandingHold
+from ghc_sim_bridge.state_publisher import StatePublisher
+from ghc_sim_bridge.torque_gate import TorqueGate
 
 Array = NDArray[np.float64]
 
@@ -102,6 +107,42 @@ def test_free_flight_has_no_contact_and_keeps_the_momentum(simulator: Simulator)
         simulator.step(rng.uniform(-0.3, 0.3, len(simulator.joint_names)))
     fall = velocity * 0.1 + np.array([0.0, 0.0, -9.81]) * 0.1 * 0.101 / 2.0
     assert _mass_centre(simulator) - start == pytest.approx(fall, abs=1e-4)
+
+
+def test_the_state_goes_out_with_its_companions_first(simulator: Simulator) -> None:
+    """Wrenches and odometry before the joint state that they belong to, the clock last."""
+    simulator.reset()
+    gate = TorqueGate(simulator.torque_limit, 0.0, simulator.control_dt)
+    cycle = ControlCycle(simulator, gate, None)
+    sent: list[str] = []
+
+    def send(name: str) -> Callable[[bytes], None]:
+        return lambda _: sent.append(name)
+
+    names = list(simulator.contact_wrenches())
+    publisher = StatePublisher(
+        send("joint_states"),
+        send("clock"),
+        {name: send(name) for name in names},
+        odometry=send("odom"),
+    )
+    for _ in range(2):  # a repeat sends everything again
+        sent.clear()
+        publisher.publish(cycle)
+        assert sent == [*names, "odom", "joint_states", "clock"]
+
+
+def test_a_hold_keeps_the_posture_that_the_last_command_left(simulator: Simulator) -> None:
+    simulator.reset()
+    limit = simulator.torque_limit
+    cycle = ControlCycle(simulator, TorqueGate(limit, 0.0, simulator.control_dt), None)
+    for _ in range(20):
+        cycle.advance(0.9 * simulator.torque)  # it sinks a little
+    left = cycle.joint_state[0].copy()
+    for _ in range(600):
+        assert (np.abs(cycle.advance(None).torque) <= limit).all()
+    assert np.abs(cycle.joint_state[0] - left).max() < 0.1
+    assert np.abs(cycle.joint_state[1]).max() < 0.1
 
 
 def test_a_configuration_that_is_none_is_refused(simulator: Simulator) -> None:

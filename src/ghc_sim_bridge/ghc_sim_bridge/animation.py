@@ -39,7 +39,7 @@ def frames(analysis: Analysis, scene: SceneDescription, step: float) -> Iterator
     with Renderer(scene, ARM_SIZE, log.joint_names) as renderer:
         for time in np.arange(0.0, end, step):
             row = min(int(np.searchsorted(log.time, time)), len(log.time) - 1)
-            arm = renderer.draw(log.q[row], _targets(analysis, time), camera)
+            arm = renderer.draw(log.configuration(row), _targets(analysis, time), camera)
             here = round(left + (right - left) * time / end)
             beside = plots.copy()
             beside[:, here] = (90, 90, 90)

@@ -6,6 +6,7 @@ No ROS here: the node decides when a period happens and with which command.
 from __future__ import annotations
 
 import time
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,19 @@ from ghc_controller.types import RobotState
 from ghc_sim_bridge.full_rate_log import FullRateLogBuffer, Source
 from ghc_sim_bridge.hold import hold_torque
 from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.standing_hold import StandingHold
 from ghc_sim_bridge.torque_gate import GatedTorque, TorqueGate
 
 Array = NDArray[np.float64]
 
 NANOSECONDS = 1_000_000_000  # [ns/s]
+
+
+class BaseState(NamedTuple):
+    """Of a base that floats; empty for one that is fixed."""
+
+    pose: Array  # (7,) [m] and quaternion xyzw, world
+    velocity: Array  # (6,) [m/s] and [rad/s], base axes
 
 
 class ControlCycle:
@@ -33,6 +42,7 @@ class ControlCycle:
         self._log = log
         # Stamps are whole nanoseconds: as multiples of this they never drift.
         self.period_ns = round(simulator.control_dt * NANOSECONDS)
+        self._standing = StandingHold()
         self._no_command = np.full(len(simulator.joint_names), np.nan)
         self._observe()
         self._stepped_at = time.perf_counter()
@@ -42,6 +52,18 @@ class ControlCycle:
         self.time_ns = self.simulator.tick * self.period_ns  # [ns] since the last reset
 
     @property
+    def joint_state(self) -> tuple[Array, Array]:
+        """Positions (na,) [rad] and velocities (na,) [rad/s] of the joints."""
+        na = len(self.simulator.joint_names)
+        return self.state.q[-na:], self.state.v[-na:]
+
+    @property
+    def base(self) -> BaseState:
+        """The base of the state."""
+        na = len(self.simulator.joint_names)
+        return BaseState(self.state.q[:-na], self.state.v[:-na])
+
+    @property
     def epoch(self) -> int:
         """Count of resets: tells everybody that time went back."""
         return self.state.epoch
@@ -49,10 +71,13 @@ class ControlCycle:
     def reset(self) -> None:
         """Back to the start state, in the next epoch."""
         self.simulator.reset()
+        self._standing.release()
         self._observe()
 
     def advance(self, commanded: Array | None) -> GatedTorque:
         """Simulate one period under `commanded` (n,) [Nm], or held when there is none."""
+        if commanded is not None:
+            self._standing.release()
         gated = self._gate(
             self._hold_torque() if commanded is None else commanded, self.simulator.torque
         )
@@ -64,6 +89,13 @@ class ControlCycle:
 
     def _hold_torque(self) -> Array:
         simulator, gate = self.simulator, self._gate
+        if simulator.floating_base:
+            return self._standing.torque(
+                simulator.dynamics(),
+                simulator.contact_jacobian(),
+                self.joint_state[0],
+                self.state.v,
+            )
         return hold_torque(
             simulator.mass_matrix(),
             simulator.bias(),
@@ -85,8 +117,7 @@ class ControlCycle:
             self.time_ns / NANOSECONDS,
             now - self._stepped_at,
             (
-                self.state.q,
-                self.state.v,
+                *self.joint_state,
                 self.simulator.acceleration,
                 gated.torque,
                 self._no_command if commanded is None else commanded,
@@ -94,5 +125,6 @@ class ControlCycle:
             self.state.wrenches,
             source,
             self.epoch,
+            self.base if self.simulator.floating_base else (),
         )
         self._stepped_at = now

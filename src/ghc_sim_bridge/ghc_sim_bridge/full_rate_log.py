@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 INITIAL_ROWS = 1 << 14  # doubled when full, so that a cycle rarely pays for growing
 WRENCH_PREFIX = "wrench_"
 _VECTORS = ("q", "v", "acceleration", "torque", "commanded")
+_BASE = {"base_pose": 7, "base_velocity": 6}
 
 
 class Source(IntEnum):
@@ -45,6 +46,20 @@ class FullRateLog:
     wrenches: Mapping[str, Array]  # name -> (T, 6) [N, Nm] on the robot, world axes
     joint_names: tuple[str, ...]
     control_dt: float  # [s]
+    base_pose: Array | None = None  # (T, 7) [m], quaternion xyzw, world; None = fixed base
+    base_velocity: Array | None = None  # (T, 6) [m/s], [rad/s] in base axes
+
+    def configuration(self, row: int, joint_names: Sequence[str] | None = None) -> Array:
+        """q (nq,) of the robot model at a row: base, if it floats, and joints in some order."""
+        return _joined(self.base_pose, self.q, row, self._order(joint_names))
+
+    def velocity(self, row: int, joint_names: Sequence[str] | None = None) -> Array:
+        """v (nv,) of the robot model at a row."""
+        return _joined(self.base_velocity, self.v, row, self._order(joint_names))
+
+    def _order(self, joint_names: Sequence[str] | None) -> list[int]:
+        names = self.joint_names if joint_names is None else joint_names
+        return [self.joint_names.index(name) for name in names]
 
     @classmethod
     def load(cls, path: str | Path) -> FullRateLog:
@@ -68,18 +83,28 @@ class FullRateLog:
                     },
                     joint_names=tuple(str(name) for name in data["joint_names"]),
                     control_dt=float(data["control_dt"]),
+                    **{name: data[name] for name in _BASE if name in data.files},
                 )
         except (OSError, KeyError, ValueError) as error:
             raise ConfigurationError(f"full-rate log '{path}': {error}") from error
+
+
+def _joined(base: Array | None, joints: Array, row: int, order: list[int]) -> Array:
+    values = joints[row, order]
+    return values if base is None else np.concatenate([base[row], values])
 
 
 class FullRateLogBuffer:
     """Growing columns of one run."""
 
     def __init__(
-        self, joint_names: Sequence[str], contact_names: Sequence[str], control_dt: float
+        self,
+        joint_names: Sequence[str],
+        contact_names: Sequence[str],
+        control_dt: float,
+        floating_base: bool = False,
     ) -> None:
-        """Rows of n = len(joint_names) and one wrench per name in `contact_names`."""
+        """Rows of n = len(joint_names), one wrench per name in `contact_names`, and the base."""
         self._joint_names = tuple(joint_names)
         self._contact_names = tuple(contact_names)
         self._control_dt = control_dt
@@ -90,6 +115,11 @@ class FullRateLogBuffer:
             slice(first + 6 * k, first + 6 * (k + 1)) for k in range(len(self._contact_names))
         ]
         width = first + 6 * len(self._contact_names)
+        self._base: dict[str, slice] = {}
+        if floating_base:
+            for name, size in _BASE.items():
+                self._base[name] = slice(width, width + size)
+                width += size
         # One table, so that a row is one stretch of memory and growing is one copy.
         self._rows = np.empty((INITIAL_ROWS, width))
         self._tags = np.empty((INITIAL_ROWS, 2), dtype=np.uint32)
@@ -106,8 +136,10 @@ class FullRateLogBuffer:
         wrenches: Mapping[str, Array],
         source: Source,
         epoch: int,
+        base: Sequence[Array] = (),
     ) -> None:
-        """Add a row; `vectors` are q, v, acceleration, torque, commanded, each (n,)."""
+        """Add a row; `vectors` are q, v, acceleration, torque, commanded, each (n,), and `base`
+        pose (7,) and velocity (6,) of one that floats."""
         if self._size == len(self._rows):
             self._grow()
         row = self._rows[self._size]
@@ -117,6 +149,8 @@ class FullRateLogBuffer:
             row[place] = vector
         for place, name in zip(self._wrenches, self._contact_names, strict=True):
             row[place] = wrenches[name]
+        for place, vector in zip(self._base.values(), base, strict=True):
+            row[place] = vector
         tag = self._tags[self._size]
         tag[0] = source
         tag[1] = epoch
@@ -137,6 +171,7 @@ class FullRateLogBuffer:
             WRENCH_PREFIX + name: rows[:, place]
             for name, place in zip(self._contact_names, self._wrenches, strict=True)
         }
+        arrays |= {name: rows[:, place] for name, place in self._base.items()}
         arrays["source"] = tags[:, 0].astype(np.uint8)
         arrays["epoch"] = tags[:, 1]
         arrays["joint_names"] = np.array(self._joint_names, dtype=np.str_)

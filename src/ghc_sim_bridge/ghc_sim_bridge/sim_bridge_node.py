@@ -2,8 +2,10 @@
 
 Publishes  joint_states (stamp = simulated time, frame_id = epoch, effort = torque applied over the
            last period [Nm]), contacts/<name> (force of the surroundings on the robot, world axes,
-           same stamp, sent before), constraints/obstacles (what the scene's obstacle sensor sees,
-           at its own rate, sent before the state of its stamp), /clock, /diagnostics.
+           same stamp, sent before), odom where the base floats (pose in the world, twist in base
+           axes; same stamp and frame_id, sent before), constraints/obstacles (what the scene's
+           obstacle sensor sees, at its own rate, sent before the state of its stamp), /clock,
+           /diagnostics.
 Subscribes joint_commands (stamp = the state that it answers, effort [Nm] by joint name).
 Services   ~/reset (std_srvs/Trigger: start state, next epoch), ~/pause (std_srvs/SetBool).
 Parameters see BridgeParameters.
@@ -20,6 +22,7 @@ from pathlib import Path
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from ghc_msgs.msg import ObstacleStateArray
+from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.duration import Duration
@@ -81,7 +84,9 @@ class SimBridge:
         wrenches = tuple(simulator.contact_wrenches())
         gate = TorqueGate(simulator.torque_limit, p.torque_rate_limit, p.control_dt)
         self._log = (
-            FullRateLogBuffer(simulator.joint_names, wrenches, p.control_dt)
+            FullRateLogBuffer(
+                simulator.joint_names, wrenches, p.control_dt, simulator.floating_base
+            )
             if p.log_file
             else None
         )
@@ -116,6 +121,7 @@ class SimBridge:
             advertise(Clock, "/clock", qos if p.lossless else CLOCK_QOS),
             {name: advertise(WrenchStamped, f"contacts/{name}", qos) for name in contacts},
             self._make_observer(advertise, qos),
+            advertise(Odometry, "odom", qos) if self._cycle.simulator.floating_base else None,
         )
 
     def _make_observer(

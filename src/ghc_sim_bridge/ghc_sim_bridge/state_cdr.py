@@ -6,6 +6,8 @@ laid out once and the numbers are written in place. Plain CDR in native byte ord
 counts from behind the four bytes of encapsulation:
 
     JointState:    stamp | frame_id | name[] | position[] | velocity[] | effort[]
+    Odometry:      stamp | frame_id | child_frame_id | position, quaternion xyzw, covariance (36)
+                   | linear and angular velocity, covariance (36)
     WrenchStamped: stamp | frame_id | force xyz, torque xyz
     Clock:         stamp
 """
@@ -24,6 +26,7 @@ Array = NDArray[np.float64]
 ENCAPSULATION_SIZE = 4  # [bytes]
 STAMP_END = ENCAPSULATION_SIZE + 8  # [bytes] sec (int32) and nanosec (uint32) stand before it
 NANOSECONDS = 1_000_000_000  # [ns/s]
+_COVARIANCE = 36  # entries of a covariance
 
 _STAMP = struct.Struct("=iI")
 _LENGTH = struct.Struct("=I")
@@ -166,4 +169,26 @@ class WrenchEncoder:
         """Serialized message of force [N] and torque [Nm], (6,)."""
         write_stamp(self._data, stamp_ns)
         self._wrench[:] = wrench
+        return bytes(self._data)
+
+
+class OdometryEncoder:
+    """Serialized Odometry of one floating base; covariances are zero: the truth is known."""
+
+    def __init__(self, frame_id: str, child_frame_id: str) -> None:
+        """Lay out the message."""
+        body = CdrBody()
+        body.append_string(frame_id)
+        body.append_string(child_frame_id)
+        start = body.append_numbers(7 + _COVARIANCE + 6 + _COVARIANCE)
+        self._data = body.message()
+        numbers = _view(self._data, 7 + _COVARIANCE + 6, start)
+        self._pose, self._twist = numbers[:7], numbers[7 + _COVARIANCE :]
+
+    def encode(self, stamp_ns: int, pose: Array, twist: Array) -> bytes:
+        """Serialized message of the base's position [m] and quaternion xyzw in the world, (7,),
+        and of its linear [m/s] and angular [rad/s] velocity in its own axes, (6,)."""
+        write_stamp(self._data, stamp_ns)
+        self._pose[:] = pose
+        self._twist[:] = twist
         return bytes(self._data)

@@ -6,7 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ghc_sim_bridge.control_cycle import ControlCycle
-from ghc_sim_bridge.state_cdr import JointStateEncoder, WrenchEncoder, encode_clock
+from ghc_sim_bridge.state_cdr import (
+    JointStateEncoder,
+    OdometryEncoder,
+    WrenchEncoder,
+    encode_clock,
+)
 
 Publish = Callable[[Any], None]  # of serialized bytes or of a message
 Observe = Callable[[ControlCycle], None]  # publishes what a sensor has at the cycle's time, if any
@@ -15,7 +20,8 @@ WORLD_FRAME = "world"
 
 
 class StatePublisher:
-    """Sensors first: whoever has a joint state can have the wrenches and obstacles of its stamp.
+    """Sensors first: whoever has a joint state can have wrenches, odometry and obstacles of its
+    stamp.
 
     The clock comes last because nobody waits for it: the controller works meanwhile.
     """
@@ -26,25 +32,34 @@ class StatePublisher:
         clock: Publish,
         contacts: Mapping[str, Publish],
         observe: Observe | None = None,
+        odometry: Publish | None = None,
     ) -> None:
-        """Where the serialized messages go; `contacts` by contact name, empty for none."""
+        """Where the serialized messages go; `contacts` by contact name, empty for none, and
+        `odometry` of a robot whose base floats."""
         self._observe = observe
         self._joint_states = joint_states
         self._clock = clock
         self._contacts = dict(contacts)
+        self._odometry = odometry
         self._wrench = WrenchEncoder(WORLD_FRAME)
         self._encoder: JointStateEncoder | None = None
+        self._base: OdometryEncoder | None = None
         self._epoch = -1
 
     def publish(self, cycle: ControlCycle) -> None:
         """Send the current state of `cycle`."""
         if self._encoder is None or self._epoch != cycle.epoch:
-            self._encoder = JointStateEncoder(cycle.simulator.joint_names, str(cycle.epoch))
+            epoch, simulator = str(cycle.epoch), cycle.simulator
+            self._encoder = JointStateEncoder(simulator.joint_names, epoch)
+            self._base = OdometryEncoder(epoch, simulator.base_frame)
             self._epoch = cycle.epoch
-        stamp, state = cycle.time_ns, cycle.state
+        stamp, state, base = cycle.time_ns, cycle.state, cycle.base
         for name, send in self._contacts.items():
             send(self._wrench.encode(stamp, state.wrenches[name]))
         if self._observe is not None:
             self._observe(cycle)
-        self._joint_states(self._encoder.encode(stamp, state.q, state.v, cycle.simulator.torque))
+        if self._odometry is not None and self._base is not None:
+            self._odometry(self._base.encode(stamp, base.pose, base.velocity))
+        q, v = cycle.joint_state
+        self._joint_states(self._encoder.encode(stamp, q, v, cycle.simulator.torque))
         self._clock(encode_clock(stamp))

@@ -58,8 +58,8 @@ def recompute_history(
     states = [
         RobotState(
             time=float(log.time[row]),
-            q=log.q[row, order],
-            v=log.v[row, order],
+            q=log.configuration(row, robot.model.joint_names),
+            v=log.velocity(row, robot.model.joint_names),
             wrenches={name: wrench[row] for name, wrench in log.wrenches.items()},
         )
         for row in rows
@@ -70,7 +70,7 @@ def recompute_history(
     gravity = np.empty((len(rows), len(order)))
     for k, state in enumerate(states):
         robot.model.update(state.q, state.v)
-        gravity[k, order] = robot.model.gravity()
+        gravity[k, order] = robot.model.gravity()[-len(order) :]
         for task in robot.tasks:
             target = targets[task.name].target(state.time)
             samples[task.name].append(_sample(task, robot, state, target))
@@ -79,13 +79,16 @@ def recompute_history(
 
 
 def gravity_torques(log: FullRateLog, robot: RobotConfig) -> Array:
-    """Torque that would hold the robot still, at every row of a log, (T, n) [Nm]."""
+    """Torque that would hold the robot still, at every row of a log, (T, n) [Nm].
+
+    With a floating base: held by its base, which no contact does.
+    """
     order = [log.joint_names.index(name) for name in robot.model.joint_names]
     still = np.zeros(robot.model.nv)
     gravity = np.empty_like(log.q)
-    for k, q in enumerate(np.ascontiguousarray(log.q[:, order])):
-        robot.model.update(q, still)
-        gravity[k, order] = robot.model.gravity()
+    for k in range(len(log.time)):
+        robot.model.update(log.configuration(k, robot.model.joint_names), still)
+        gravity[k, order] = robot.model.gravity()[-len(order) :]
     return gravity
 
 
