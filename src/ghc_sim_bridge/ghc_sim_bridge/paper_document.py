@@ -23,9 +23,10 @@ is the whole stack: bridge, controller and recorder as processes that talk over 
 *the thesis* is M. Liu's of 2016: chapter 3 is the paper's longer form, chapters 4 and 5 smooth
 constraints that jump (studies without a robot: [mpc_studies.md](mpc_studies.md)). Tasks: 1 = end
 effector (position), 2 = elbow (position), 3 = posture. Gains, transition profile (eq. 15) and
-regularisation are the paper's: stiffness 30 /s², damping 20 /s (100 and 20 for a moving target), weight 0.01. The torque rate
-limit is off unless a line says otherwise, so that the figures compare methods and not the gate.
-A torque rate is the largest torque step of a joint over the control period, and stands beside it.
+regularisation are the paper's: stiffness 30 /s², damping 20 /s (100 and 20 for a moving target),
+weight 0.01. The torque rate limit is off unless a line says otherwise, so that the figures compare
+methods and not the gate. A torque rate is the largest torque step of a joint over the control
+period, and stands beside it.
 
 The paper does not print its targets, its start posture or its inertial parameters. Ours stand in
 `scenarios/*.yaml` and in the robot's URDF. So the errors of tasks that have to give way, which
