@@ -79,6 +79,7 @@ def test_topics_and_services_are_those_of_running_nodes(
     topics = {
         "/" + row[0].replace("<name>", "tool").lstrip("/"): (row[1], _qos(row[3]))
         for row in rows("Topics")
+        if row[0] != "odom"  # of a floating base only: see test_bridge_floating
     }
     services = {("/" + row[0], row[1]) for row in rows("Services")}
     deadline = time.monotonic() + DEADLINE

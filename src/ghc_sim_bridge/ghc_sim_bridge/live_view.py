@@ -45,19 +45,28 @@ class LiveView:
         recording.send_blueprint(blueprint(scene.camera, [ALPHA, ERRORS, TORQUE, TORQUE_RATE]))
         log_surroundings(recording, scene)
 
-    def show_state(self, time: float, names: Sequence[str], q: Array, torque: Array) -> None:
-        """State at `time` [s]: q (n,) [rad] and torque (n,) [Nm] of the joints `names`.
+    def show_state(
+        self,
+        time: float,
+        names: Sequence[str],
+        q: Array,
+        torque: Array,
+        base: Array | None = None,
+    ) -> None:
+        """State at `time` [s]: q (n,) [rad] and torque (n,) [Nm] of the joints `names`, and the
+        pose (7,) of a floating base: position [m] and quaternion xyzw.
 
         The torque rate is the mean since the state shown before, not that of a single period.
         """
         recording = self._recording
         if self._robot is None:
-            self._robot = RerunRobot(self._scene.urdf, names)
+            self._robot = RerunRobot(self._scene.urdf, names, base is not None)
             self._robot.log_shapes(recording)
             log_lines(recording, TORQUE, names)
             log_lines(recording, TORQUE_RATE, names)
+        pose = None if base is None else base[None]
         recording.set_time(TIMELINE, duration=time)
-        for entity, (translation, quaternion) in self._robot.placements(q[None]).items():
+        for entity, (translation, quaternion) in self._robot.placements(q[None], pose).items():
             recording.log(
                 entity, rr.Transform3D(translation=translation[0], quaternion=quaternion[0])
             )

@@ -1,4 +1,4 @@
-"""`picture`: an animation of a run that `experiment` left, as a GIF."""
+"""`picture`: a run that `experiment` left as an animation (GIF) or a strip of frames (PNG)."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ghc_controller.errors import GhcError
 from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import analyse
 from ghc_sim_bridge.animation import frames, save_gif
+from ghc_sim_bridge.filmstrip import FRAMES, write_filmstrip
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
 from ghc_sim_bridge.scene_description import load_scene
@@ -27,14 +30,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         robot = changed if changed.is_file() else find_robot(scenario.robot)
         analysis = analyse(plan, plan.folder / "log.npz", robot)
         scene = load_scene(scenario.scene)
-        step = options.speed * options.period
-        pictures = list(frames(analysis, scene, step))
-        save_gif(pictures, options.to, options.period)
+        if options.to.suffix == ".png":
+            count = options.frames
+            times = np.linspace(0.0, plan.duration, count).tolist()
+            write_filmstrip(options.to, analysis.log, scene, times)
+        else:
+            pictures = list(frames(analysis, scene, options.speed * options.period))
+            save_gif(pictures, options.to, options.period)
+            count = len(pictures)
     except (GhcError, OSError) as error:
         print(f"picture: {error}", file=sys.stderr)
         return 2
     size = options.to.stat().st_size / 1e6
-    print(f"{options.to}: {len(pictures)} pictures, {size:.2f} MB")
+    print(f"{options.to}: {count} pictures, {size:.2f} MB")
     return 0
 
 
@@ -49,7 +57,16 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--results", type=Path, default=Path("results"), metavar="DIR", help="root of all results"
     )
-    parser.add_argument("--to", type=Path, required=True, metavar="FILE", help=".gif to write")
+    parser.add_argument(
+        "--to",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help=".gif to write (an animation), or .png (a strip of frames)",
+    )
+    parser.add_argument(
+        "--frames", type=int, default=FRAMES, metavar="N", help=f"of a strip (default: {FRAMES})"
+    )
     parser.add_argument(
         "--speed", type=_positive, default=4.0, help="simulated seconds a second (default: 4)"
     )

@@ -11,8 +11,11 @@ from ghc_sim_bridge.analysis import analyse, analyse_folder
 from ghc_sim_bridge.claims import check_references
 from ghc_sim_bridge.comparison_figures import variants_comparison
 from ghc_sim_bridge.controller_series import ControllerSeries
+from ghc_sim_bridge.errors import RenderingUnavailable
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.figures import run_figures
+from ghc_sim_bridge.filmstrip import write_filmstrip
+from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.generator_analysis import CONSTRAINTS, analyse_generators
 from ghc_sim_bridge.phase_table import outcome_lines, phase_table
 from ghc_sim_bridge.rerun_recording import write_rerun
@@ -48,6 +51,7 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
         load_scene(str(plan.parameters["sim_bridge"]["scene"])),
         outcome.robot,
     )
+    _write_filmstrip(plan, analysis.log)
     if plan.is_default:
         link_default(plan.folder)
     print(f"\n{plan.scenario.title}: {plan.scenario.name}, {plan.folder.name}")
@@ -55,6 +59,17 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
     print(outcome_lines(summary))
     print(f"results: {plan.folder}", flush=True)
     return summary
+
+
+def _write_filmstrip(plan: RunPlan, log: FullRateLog) -> None:
+    """The motion of a robot that goes about; an arm is better seen in an animation."""
+    if log.base_pose is None:
+        return
+    scene = load_scene(str(plan.parameters["sim_bridge"]["scene"]))
+    try:
+        write_filmstrip(plan.folder / "filmstrip.png", log, scene)
+    except RenderingUnavailable as error:
+        print(f"no filmstrip.png: {error}", flush=True)
 
 
 def link_default(folder: Path) -> None:

@@ -107,11 +107,12 @@ def _send_lines(
 
 
 def _send_robot(recording: rr.RecordingStream, log: FullRateLog, urdf: Path) -> None:
-    robot = RerunRobot(urdf, log.joint_names)
+    robot = RerunRobot(urdf, log.joint_names, log.base_pose is not None)
     robot.log_shapes(recording)
     stride = max(1, round(1.0 / (POSE_RATE * log.control_dt)))
     time, angles = log.time[::stride], log.q[::stride]
-    for entity, (translations, quaternions) in robot.placements(angles).items():
+    base = None if log.base_pose is None else log.base_pose[::stride]
+    for entity, (translations, quaternions) in robot.placements(angles, base).items():
         recording.send_columns(
             entity,
             [_times(time)],

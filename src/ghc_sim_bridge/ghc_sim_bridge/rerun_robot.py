@@ -19,12 +19,18 @@ ROBOT_PATH = "world/robot"
 class RerunRobot:
     """Entities world/robot/<joint>: what is fixed to that joint, at its place over time."""
 
-    def __init__(self, urdf: Path, joint_names: Sequence[str]) -> None:
+    def __init__(
+        self, urdf: Path, joint_names: Sequence[str], floating_base: bool = False
+    ) -> None:
         """Load the visual shapes; `joint_names` is the order of the angles given later."""
-        self._model = pin.buildModelFromUrdf(str(urdf))
+        root = (pin.JointModelFreeFlyer(),) if floating_base else ()
+        self._model = pin.buildModelFromUrdf(str(urdf), *root)
         self._data = self._model.createData()
         self._shapes = pin.buildGeomFromUrdf(
-            self._model, str(urdf), pin.GeometryType.VISUAL, package_dirs=[str(urdf.parent)]
+            self._model,
+            str(urdf),
+            pin.GeometryType.VISUAL,
+            package_dirs=list(map(str, urdf.parents)),
         ).geometryObjects
         self._places = [
             self._model.joints[self._model.getJointId(name)].idx_q for name in joint_names
@@ -49,14 +55,21 @@ class RerunRobot:
     def _path(self, joint: int) -> str:
         return ROBOT_PATH if joint == 0 else f"{ROBOT_PATH}/{self._model.names[joint]}"
 
-    def placements(self, angles: Array) -> dict[str, tuple[Array, Array]]:
-        """Places at `angles` (T, n) [rad]: entity -> ((T, 3) [m], quaternions xyzw (T, 4))."""
+    def placements(
+        self, angles: Array, base: Array | None = None
+    ) -> dict[str, tuple[Array, Array]]:
+        """Places at `angles` (T, n) [rad]: entity -> ((T, 3) [m], quaternions xyzw (T, 4)).
+
+        `base` (T, 7) is the pose of a floating base: position [m] and quaternion xyzw.
+        """
         joints = range(1, self._model.njoints)
         translations = np.empty((len(joints), len(angles), 3))
         quaternions = np.empty((len(joints), len(angles), 4))
         q = pin.neutral(self._model)
         for k, row in enumerate(angles):
             q[self._places] = row
+            if base is not None:
+                q[:7] = base[k]
             pin.forwardKinematics(self._model, self._data, q)
             for slot, joint in enumerate(joints):
                 place = self._data.oMi[joint]

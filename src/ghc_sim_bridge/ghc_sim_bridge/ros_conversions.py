@@ -9,6 +9,7 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import WrenchStamped
 from ghc_msgs.msg import ObstacleState, ObstacleStateArray
+from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
@@ -81,6 +82,13 @@ def read_joint_state(data: bytes) -> JointState:
         return deserialize_message(data, JointState)
     except Exception as error:  # the middleware's own type, whatever it is
         raise ValueError(f"not a JointState: {error}") from error
+
+
+def pose_of(data: bytes) -> Array:
+    """Position [m] and quaternion xyzw of a serialized Odometry, (7,)."""
+    pose = deserialize_message(data, Odometry).pose.pose
+    point, turn = pose.position, pose.orientation
+    return np.array([point.x, point.y, point.z, turn.x, turn.y, turn.z, turn.w])
 
 
 def wrench_from_message(message: WrenchStamped) -> Array:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from ghc_msgs.msg import ControllerState
+from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
@@ -25,7 +26,7 @@ from ghc_sim_bridge.live_view import LiveView
 from ghc_sim_bridge.parameters import ViewerParameters
 from ghc_sim_bridge.rerun_layout import new_recording
 from ghc_sim_bridge.rerun_recording import position_tasks
-from ghc_sim_bridge.ros_conversions import CONTROL_SUBSCRIBER_QOS
+from ghc_sim_bridge.ros_conversions import CONTROL_SUBSCRIBER_QOS, pose_of
 from ghc_sim_bridge.scene_description import load_scene
 from ghc_sim_bridge.state_cdr import read_stamp
 from ghc_sim_bridge.viewer_process import ViewerProcess, has_screen, start_viewer
@@ -59,6 +60,8 @@ class Viewer:
         self._view = LiveView(self._recording, scene, targets)
         self._state = b""
         self._report = b""
+        self._odometry = b""
+        self._floats = scene.base is not None
         self._listen(stop)
 
     def _start_viewer(self, display: str) -> ViewerProcess:
@@ -80,23 +83,31 @@ class Viewer:
             CONTROL_SUBSCRIBER_QOS,
             raw=True,
         )
+        if self._floats:
+            node.create_subscription(
+                Odometry, "odom", self._on_odometry, CONTROL_SUBSCRIBER_QOS, raw=True
+            )
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(FRAME_PERIOD, guarded(stop, self._show), clock=wall)
 
     def _on_state(self, data: bytes) -> None:
         self._state = data
 
+    def _on_odometry(self, data: bytes) -> None:
+        self._odometry = data
+
     def _on_report(self, data: bytes) -> None:
         self._report = data
 
     def _show(self) -> None:
-        if self._state:
+        if self._state and (self._odometry or not self._floats):
             state = deserialize_message(self._state, JointState)
             self._view.show_state(
                 read_stamp(self._state) * 1e-9,
                 state.name,
                 np.array(state.position),
                 np.array(state.effort),
+                pose_of(self._odometry) if self._floats else None,
             )
             self._state = b""
         if self._report:
