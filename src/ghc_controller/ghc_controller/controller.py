@@ -9,7 +9,7 @@ import numpy as np
 
 from ghc_controller.braking import braking_torque
 from ghc_controller.constraints.obstacle import ObstacleDistance
-from ghc_controller.contacts import BoundsInForce, ContactSet
+from ghc_controller.contacts import BoundsInForce, ContactSensing, ContactSet
 from ghc_controller.controller_settings import ControllerSettings, make_constraints
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import ControlProblem, SolutionStatus, make_formulation
@@ -60,6 +60,7 @@ class Controller:
         self.constraints = make_constraints(robot, self.settings)
         self.contacts = ContactSet(robot.contacts)
         self.force_bounds = BoundsInForce(robot.contacts)
+        self.sensing = ContactSensing(robot.contacts, self.force_bounds)
         self.obstacles = ObstacleDistance(self.model, self.settings.obstacle_horizon)
         self.force_references = ReferenceSchedule(
             [contact.force_task for contact in robot.contacts if contact.force_task is not None]
@@ -100,6 +101,7 @@ class Controller:
         self.force_references.reset()
         self.priorities.reset()
         self.force_bounds.reset()
+        self.sensing.reset()
         self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
@@ -244,7 +246,8 @@ class Controller:
         boxes = self.constraints.update(
             self.model, dynamics, state, applied, self.settings.control_dt
         )
-        bounds = self.force_bounds.at(state.time)
+        planned = self.force_bounds.at(state.time)
+        bounds = self.sensing.confirm(planned, state.time, state.wrenches)
         self.counts["stale_ticks"] += bool(bounds.stale) or self.obstacles.is_stale(state.time)
         return Limits(
             boxes,

@@ -46,6 +46,7 @@ class RobotConfig:
         active: false            # default false: on at the start
         on_stale: hold           # default hold; release: once a generator is silent, as above
         force_task: {weight: 1}  # optional: the normal force follows a TaskReference
+        sensing: {threshold: 5}  # optional: the measured wrench confirms touch and break
     ```
     """
 

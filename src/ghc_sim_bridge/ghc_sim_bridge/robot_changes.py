@@ -16,12 +16,15 @@ from ghc_sim_bridge.yaml_fields import read_yaml
 def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) -> Path:
     """Write `source` with `changes` merged in to `target`, and return `target`.
 
-    Mappings merge; tasks are found by their name; the URDF becomes an absolute path. Raises
-    UnknownName for a task that the robot has not, ConfigurationError for anything malformed.
+    Mappings merge; tasks and contacts are found by their name (a list of contacts stands in place
+    of the robot's); the URDF becomes an absolute path. Raises UnknownName for a task or contact
+    that the robot has not, ConfigurationError for anything malformed.
     """
     robot = read_yaml(source)
-    merged = _merge(robot, {key: value for key, value in changes.items() if key != "tasks"})
-    merged["tasks"] = _merge_tasks(source, robot.get("tasks", []), changes.get("tasks", {}))
+    named = {key: value for key, value in changes.items() if _is_by_name(key, value)}
+    merged = _merge(robot, {key: value for key, value in changes.items() if key not in named})
+    for kind, by_name in named.items():
+        merged[kind] = _merge_named(source, kind, robot.get(kind, []), by_name)
     merged["urdf"] = str(find_urdf(merged.get("urdf"), source).resolve())
     target.write_text(yaml.safe_dump(merged, sort_keys=False), encoding="utf-8")
     return target
@@ -36,14 +39,21 @@ def _merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
     return result
 
 
-def _merge_tasks(source: Path, tasks: object, changes: object) -> list[dict[str, Any]]:
-    if not isinstance(tasks, list) or not isinstance(changes, Mapping):
+def _is_by_name(key: str, value: object) -> bool:
+    """A list of contacts stands in place of the robot's; a mapping changes those that it names."""
+    return key == "tasks" or (key == "contacts" and isinstance(value, Mapping))
+
+
+def _merge_named(
+    source: Path, kind: str, entries: object, changes: object
+) -> list[dict[str, Any]]:
+    if not isinstance(entries, list) or not isinstance(changes, Mapping):
         raise ConfigurationError(
-            f"{source}: tasks: a list of tasks and a mapping of changes by "
-            f"name are expected, {tasks!r} and {changes!r} given"
+            f"{source}: {kind}: a list of {kind} and a mapping of changes by "
+            f"name are expected, {entries!r} and {changes!r} given"
         )
-    names = [task["name"] for task in tasks]
+    names = [entry["name"] for entry in entries]
     for name in changes:
         if name not in names:
-            raise UnknownName(f"task of {source}", str(name), names)
-    return [_merge(task, changes.get(task["name"], {})) for task in tasks]
+            raise UnknownName(f"{kind[:-1]} of {source}", str(name), names)
+    return [_merge(entry, changes.get(entry["name"], {})) for entry in entries]

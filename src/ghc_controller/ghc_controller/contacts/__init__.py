@@ -4,14 +4,17 @@ from ghc_controller.contacts.bounds_in_force import BoundsInForce, NormalBounds
 from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_controller.contacts.contact import Contact, ContactForceTask, OnStale
 from ghc_controller.contacts.contact_set import ContactSet
+from ghc_controller.contacts.sensing import ContactSensing, Sensing
 
 __all__ = [
     "BoundsInForce",
     "Contact",
     "ContactForceTask",
+    "ContactSensing",
     "ContactSet",
     "ForceBoundsPlan",
     "NormalBounds",
     "OnStale",
     "PlanStatus",
+    "Sensing",
 ]

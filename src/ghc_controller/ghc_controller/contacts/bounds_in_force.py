@@ -77,6 +77,16 @@ class BoundsInForce:
                     lower[place], upper[place] = values[0][k], values[1][k]
         return NormalBounds(lower, upper, tuple(self._active), stale)
 
+    def largest_ahead(self, place: int, time: float, span: float) -> float:
+        """Largest planned upper bound [N] of a contact from `time` to `time + span` [s]."""
+        plan = self._plan
+        if plan is None or place not in self._places:
+            return 0.0
+        first = max(int(np.ceil((time - plan.start) / plan.step - 1e-6)), 0)
+        last = int((time + span - plan.start) / plan.step + 1e-6)
+        row = plan.upper[self._places.index(place), first : last + 1]
+        return float(row.max(initial=0.0))
+
     @property
     def planned(self) -> tuple[str, ...]:
         """Contacts that a generator has bounded, order of the plan."""

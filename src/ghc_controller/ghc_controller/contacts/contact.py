@@ -8,6 +8,7 @@ from enum import Enum
 import numpy as np
 
 from ghc_controller.config import Fields
+from ghc_controller.contacts.sensing import Sensing
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.task import Task
@@ -42,6 +43,7 @@ class Contact:
     active: bool  # at the start
     on_stale: OnStale
     force_task: ContactForceTask | None = None
+    sensing: Sensing | None = None  # None: it follows its schedule alone
 
     @property
     def is_surface(self) -> bool:
@@ -76,6 +78,9 @@ class Contact:
             section = fields.section("force_task")
             task = ContactForceTask(name, section.number("weight", 1.0, minimum=0.0))
             section.done()
+        sensing = None
+        if fields.has("sensing"):
+            sensing = Sensing.from_config(fields.section("sensing"))
         on_stale = OnStale.HOLD
         if fields.has("on_stale"):
             on_stale = OnStale(fields.choice("on_stale", [kind.value for kind in OnStale]))
@@ -90,6 +95,7 @@ class Contact:
             fields.flag("active", False),
             on_stale,
             task,
+            sensing,
         )
         fields.done()
         return contact
