@@ -40,7 +40,7 @@ run: setup ## one scenario: SCENARIO=name and the options below
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages "$(SCENARIO)"
 	@$(RUN) ghc_sim_bridge experiment --scenario "$(SCENARIO)" $(OPTIONS)
 
-paper: setup ## every experiment of the paper, and docs/results.md
+paper: setup ## every experiment of paper and thesis, docs/results.md and docs/mpc_studies.md
 	@$(RUN) ghc_sim_bridge paper $(ARGS)
 
 bench: setup ## time per control step and round trips per second
