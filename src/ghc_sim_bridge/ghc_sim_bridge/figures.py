@@ -26,6 +26,7 @@ from ghc_sim_bridge.task_errors import TaskHistory
 Array = NDArray[np.float64]
 
 _SMALLEST_ERROR = 1e-8  # lower end of logarithmic axes
+_NAMED_JOINTS = 7  # in the legend of a figure
 _MOVES = 1e-6  # [m] a reference that stays within this is static
 
 
@@ -76,17 +77,29 @@ def tasks_figure(analysis: Analysis, trace: ControllerTrace) -> Figure:
     return figure
 
 
+def _fastest(speeds: Array) -> set[int]:
+    """The joints that a legend has room for: those with the largest peak speeds (T, n)."""
+    order = np.argsort(-np.abs(speeds).max(axis=0), kind="stable")
+    return {int(index) for index in order[:_NAMED_JOINTS]}
+
+
 def joints_figure(analysis: Analysis) -> Figure:
     """Velocities and torques with their bounds, and the torque rate (figure 8)."""
     log, limits, history = analysis.log, analysis.limits, analysis.history
     figure = new_figure(9.0, 7.2)
     velocity, torque, rate = figure.subplots(3, 1, sharex=True)
+    named = _fastest(log.v)
     for index, name in enumerate(log.joint_names):
-        velocity.plot(history.time, log.v[history.rows, index], color=colour(index), label=name)
+        velocity.plot(
+            history.time,
+            log.v[history.rows, index],
+            color=colour(index),
+            label=name if index in named else None,
+        )
     _draw_bounds(velocity, log.v, limits.velocity)
     velocity.set_ylabel("joint velocity [rad/s]")
     velocity.legend(
-        ncols=len(log.joint_names),
+        ncols=len(named),
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
         columnspacing=1.0,
