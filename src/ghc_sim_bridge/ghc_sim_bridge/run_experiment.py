@@ -15,6 +15,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
 from ghc_controller.robots import find_robot
+from ghc_controller.urdf_source import find_urdf
 from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.experiment_client_node import ExperimentClient
 from ghc_sim_bridge.experiment_driver import ExperimentDriver
@@ -23,6 +24,7 @@ from ghc_sim_bridge.processes import NodeProcesses
 from ghc_sim_bridge.robot_changes import write_changed_robot
 from ghc_sim_bridge.ros_domain import DomainLock
 from ghc_sim_bridge.run_plan import RunPlan
+from ghc_sim_bridge.yaml_fields import read_yaml
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +63,14 @@ def run_experiment(plan: RunPlan) -> RunOutcome:
 
 def _prepare_folder(plan: RunPlan) -> Path:
     """Make an empty folder with the parameters of all nodes; the robot file to be used."""
+    robot = find_robot(str(plan.parameters["controller"]["robot"]))
+    find_urdf(read_yaml(robot).get("urdf"), robot)  # a model that is missing: told before the rest
     if plan.folder.exists():
         shutil.rmtree(plan.folder)
     (plan.folder / "logs").mkdir(parents=True)
     parameters: dict[str, dict[str, Any]] = {
         node: dict(values) for node, values in plan.parameters.items()
     }
-    robot = find_robot(str(parameters["controller"]["robot"]))
     if plan.changes:
         robot = write_changed_robot(robot, plan.changes, plan.folder / "robot.yaml")
         for values in parameters.values():
