@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ghc_controller.constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
 from ghc_controller.contacts import ForceBoundsPlan, PlanStatus
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.robot_model import RobotModel
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def warm_up(controller: Controller) -> None:
-    """Make every kind of step once, in contact and at bounds too, and forget it all."""
+    """Make every kind of step once and forget it all: in contact, at bounds, near obstacles."""
     robot, model = controller.robot, controller.model
     wrenches = {
         task.force.contact: np.full(6, 10.0 + 10.0 * task.force.threshold)
@@ -31,6 +32,8 @@ def warm_up(controller: Controller) -> None:
     for on in (False, True):
         if robot.contacts:
             controller.force_bounds.follow(_plan(controller.contacts.names, on))
+        if on:
+            controller.obstacles.follow(_obstacle(model))
         for time in (0.0, 0.5):
             q, v = model.q.copy(), np.zeros(model.nv)
             q[-model.na :] += 0.1 * time
@@ -51,6 +54,17 @@ def _plan(contacts: tuple[str, ...], on: bool) -> ForceBoundsPlan:
     return ForceBoundsPlan(
         0.0, 1.0, contacts, lower, upper, flags, (PlanStatus.RAW,) * c, (False,) * c, False
     )
+
+
+def _obstacle(model: RobotModel) -> MotionPlan:
+    """An obstacle that moves, far from the last frame: its row is there and not active."""
+    frame = model.frame_names[-1]
+    state, normal = np.zeros((3, 3)), np.array([0.0, 0.0, 1.0])
+    state[0] = model.frame_position(model.frame_id(frame)) - 10.0 * normal
+    obstacle = PlannedObstacle(
+        "warm_up", frame, 0.1, normal, state, np.zeros((2, 3)), MotionStatus.SMOOTHED
+    )
+    return MotionPlan(0.0, 0.4, 2, (obstacle,))
 
 
 def _moving_reference(task: Task, model: RobotModel) -> ReferenceTrajectory:

@@ -13,6 +13,7 @@ from ghc_controller.constraints.motion_plan import (
     MotionPlan,
     MotionStatus,
     PlannedObstacle,
+    integrate,
 )
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
@@ -77,6 +78,7 @@ class ObstacleBounds:
         self._stale = False
         ramp = np.linspace(1.0, 0.0, self.horizon.steps)
         self._qp.solve(np.ones(3), ramp, np.ones_like(ramp), ramp)
+        integrate(at_rest(np.zeros(3)), np.zeros((2, 3)), settings.step)
 
     @property
     def second_opinions(self) -> int:
