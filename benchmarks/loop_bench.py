@@ -1,45 +1,65 @@
-"""Round trips over DDS: bridge and controller as processes in lockstep, executor by executor."""
+"""Round trips over DDS: nodes as processes in lockstep, without and with the generators."""
 
 from __future__ import annotations
 
 import os
 import time
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks import loop_generators
 from benchmarks.pace import Pace
 from ghc_controller.errors import GhcError
+from ghc_sim_bridge.experiment_nodes import EXECUTABLES
 from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.processes import NodeProcesses
 from ghc_sim_bridge.ros_domain import DomainLock
 
-EXECUTORS = ("events", "single")
-SCENE = "kuka_lwr"
+SCENE = "kuka_lwr"  # and the robot of that name
 FORMULATION = "balanced"
 CONTROL_DT = 1e-3  # [s]
 _SETTLING = 500  # [cycles] at the start: discovery, first calls
 _DEADLINE = 180.0  # [s] wall; the first start compiles the controller's kernels
 
 
+@dataclass(frozen=True, slots=True)
+class LoopCase:
+    """Which executor the nodes use, and whether both generators are part of the loop."""
+
+    executor: str
+    generators: bool
+
+    @property
+    def title(self) -> str:
+        """The case in words."""
+        return f"executor {self.executor}" + (", with generators" if self.generators else "")
+
+
+CASES = (LoopCase("events", False), LoopCase("single", False), LoopCase("events", True))
+
+
 def run_loop_bench(
     folder: Path, duration: float, rounds: int, pace: Pace, tell: Callable[[str], None]
 ) -> Iterator[dict[str, Any]]:
-    """One row per executor from `rounds` runs of `duration` [s] simulated, in turns."""
-    cycles: dict[str, list[np.ndarray]] = {executor: [] for executor in EXECUTORS}
+    """One row per case from `rounds` runs of `duration` [s] simulated, in turns."""
+    cycles: dict[LoopCase, list[np.ndarray]] = {case: [] for case in CASES}
     for number in range(rounds):
-        for executor in EXECUTORS:
+        for case in CASES:
             pace.take()
-            tell(f"lockstep over DDS, executor {executor}, {number + 1} of {rounds}")
-            cycles[executor].append(_cycle_times(folder / executor, executor, duration))
-    for executor, runs in cycles.items():
+            tell(f"lockstep over DDS, {case.title}, {number + 1} of {rounds}")
+            name = case.executor + ("_generators" if case.generators else "")
+            cycles[case].append(_cycle_times(folder / name, case, duration))
+    for case, runs in cycles.items():
         times = np.concatenate(runs)
         yield {
-            "executor": executor,
+            "executor": case.executor,
+            "generators": case.generators,
             "formulation": FORMULATION,
-            "scene": SCENE,
             "control_dt": CONTROL_DT,
             "steps": len(times),
             "steps_per_second": round(1.0 / float(np.mean(times)), 1),
@@ -49,7 +69,7 @@ def run_loop_bench(
         }
 
 
-def _cycle_times(folder: Path, executor: str, duration: float) -> np.ndarray:
+def _cycle_times(folder: Path, case: LoopCase, duration: float) -> np.ndarray:
     """Wall seconds of each cycle of one run, from the bridge's own log."""
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "log.npz"
@@ -60,28 +80,40 @@ def _cycle_times(folder: Path, executor: str, duration: float) -> np.ndarray:
         "ROS_LOG_DIR": str(folder),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
-    bridge = {
-        "scene": SCENE,
-        "control_dt": CONTROL_DT,
-        "stop_time": duration + _SETTLING * CONTROL_DT,
-        "lockstep_timeout": _DEADLINE,
-        "log_file": log,
-        "executor": executor,
-    }
-    controller = {
-        "robot": SCENE,
-        "formulation": FORMULATION,
-        "control_dt": CONTROL_DT,
-        "executor": executor,
-    }
+    parameters = _parameters(folder, case, duration + _SETTLING * CONTROL_DT)
+    planner = loop_generators.published_schedule(domain.id, folder)
     try:
-        with NodeProcesses(folder, environment) as nodes:
-            nodes.start("sim_bridge", "ghc_sim_bridge", "sim_bridge", _arguments(bridge))
-            nodes.start("controller", "ghc_controller", "controller", _arguments(controller))
+        with (
+            planner if case.generators else nullcontext(),
+            NodeProcesses(folder, environment) as nodes,
+        ):
+            for name, values in parameters.items():
+                nodes.start(name, *EXECUTABLES[name], _arguments(values))
             _wait_for(log, nodes)
     finally:
         domain.release()
     return FullRateLog.load(log).cycle_time[_SETTLING:]
+
+
+def _parameters(folder: Path, case: LoopCase, stop_time: float) -> dict[str, dict[str, Any]]:
+    """Node -> its parameters."""
+    bridge = {
+        "scene": SCENE,
+        "control_dt": CONTROL_DT,
+        "stop_time": stop_time,
+        "lockstep_timeout": _DEADLINE,
+        "log_file": folder / "log.npz",
+    }
+    controller = {"robot": SCENE, "formulation": FORMULATION, "control_dt": CONTROL_DT}
+    nodes: dict[str, dict[str, Any]] = {"sim_bridge": bridge, "controller": controller}
+    if case.generators:
+        bridge["scene"] = loop_generators.SCENE
+        controller["robot"] = loop_generators.write_robot(SCENE, folder)
+        controller["wait_for_bounds"] = loop_generators.WAIT_FOR
+        nodes |= {name: dict(values) for name, values in loop_generators.NODES.items()}
+    for values in nodes.values():
+        values["executor"] = case.executor
+    return nodes
 
 
 def _arguments(parameters: dict[str, Any]) -> list[str]:

@@ -7,6 +7,7 @@ but have seen it before.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -23,6 +24,7 @@ from ghc_mpc_constraints.obstacle_bounds import ObstacleBounds, ObstacleSettings
 STEP = 0.01  # [s] T
 CHANGE_EVERY = 10  # ticks: a sensor of 10 Hz, a planner as quick
 _JUMP_EVERY = 0.4  # [s] of a schedule: the shortest horizon always holds one
+_PHASE = 0.08  # [-] of that: how much later the jumps of the next contact come
 _SAFE_DISTANCE = 0.4  # [m]
 _LEAST_MOVE = 1e-6  # [N] of a bound, [m/s^3] of jerk: more than rounding
 
@@ -71,9 +73,9 @@ class ForceLoad(Load):
     def change(self, now: float) -> None:
         """See Load; the times of the jumps stay, their heights are drawn anew."""
         jumps = int((self.horizon + CHANGE_EVERY * STEP) / _JUMP_EVERY) + 2
-        first = int(now / _JUMP_EVERY) + 1
         for i in range(self.count):
-            times = [now, *((first + j + 0.08 * i) * _JUMP_EVERY for j in range(jumps))]
+            first = math.floor(now / _JUMP_EVERY - _PHASE * i + 1e-6) + 1
+            times = [now, *((first + j + _PHASE * i) * _JUMP_EVERY for j in range(jumps))]
             lower = self._rng.uniform(0.0, 10.0, len(times)).tolist()
             upper = self._rng.uniform(20.0, 60.0, len(times)).tolist()
             schedule = ContactSchedule.checked(f"contact_{i}", times, lower, upper)

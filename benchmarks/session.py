@@ -9,11 +9,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.document import FIGURE, write_document
+from benchmarks.document import FIGURE, TICK_FIGURE, write_document
 from benchmarks.figure import plot_step_times
 from benchmarks.goals import check_goals, ratios
 from benchmarks.loop_bench import run_loop_bench
 from benchmarks.machine import load_average, machine_facts
+from benchmarks.mpc_bench import FULL as MPC_FULL
+from benchmarks.mpc_bench import QUICK as MPC_QUICK
+from benchmarks.mpc_bench import run_mpc_bench
+from benchmarks.mpc_report import generators_of, mpc_table, plot_ticks
 from benchmarks.pace import Pace
 from benchmarks.robots import Arm, BenchRobot, Humanoid
 from benchmarks.states import TORQUE_SHARE
@@ -28,13 +32,16 @@ _QUICK_LOOP = (1.0, 1)
 def run_session(options: argparse.Namespace, root: Path) -> dict[str, Any]:
     """Measure what the options ask for and write it; the content of bench.json."""
     effort = QUICK if options.quick else FULL
-    robots = _robots(options.robot, root) if options.only != "loop" else []
+    robots = _robots(options.robot, root) if options.only in (None, "step") else []
     before, pace = load_average(), Pace()
     pace.take()
     step = list(run_step_bench(robots, effort, pace, _tell))
     duration, rounds = _QUICK_LOOP if options.quick else _LOOP
+    mpc: list[dict[str, Any]] = []
+    if options.only in (None, "mpc"):
+        mpc = list(run_mpc_bench(MPC_QUICK if options.quick else MPC_FULL, pace, _tell))
     loop: list[dict[str, Any]] = []
-    if options.only != "step":
+    if options.only in (None, "loop"):
         loop = list(run_loop_bench(options.output / "loop", duration, rounds, pace, _tell))
     results: dict[str, Any] = {
         "machine": machine_facts(),
@@ -49,14 +56,15 @@ def run_session(options: argparse.Namespace, root: Path) -> dict[str, Any]:
         "titles": {robot.name: robot.title for robot in robots},
         "step": step,
         "ratios": ratios(step),
+        "mpc": mpc,
         "loop": loop,
-        "goals": check_goals(step, loop),
+        "goals": check_goals(step, loop, mpc),
     }
     _print(results)
     _write(results, options.output)
     if options.write_docs:
         docs = root / "docs"
-        plot_step_times(step, results["titles"], docs / "figures" / FIGURE)
+        _plot(results, docs / "figures")
         write_document(results, docs)
     return results
 
@@ -80,6 +88,9 @@ def _print(results: dict[str, Any]) -> None:
         for regime in REGIMES:
             print(f"\n{results['titles'][robot]}, {REGIME_TITLES[regime]}: median (p99) [us]\n")
             print(step_table(step, robot, regime))
+    for generator in generators_of(results["mpc"]):
+        print(f"\n{generator}, time per tick: median (p99) [us]\n")
+        print(mpc_table(results["mpc"], generator))
     if loop:
         print("\nClosed loop over DDS\n")
         print(loop_table(loop))
@@ -92,6 +103,12 @@ def _print(results: dict[str, Any]) -> None:
 def _write(results: dict[str, Any], output: Path) -> None:
     output.mkdir(parents=True, exist_ok=True)
     (output / "bench.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
-    if results["step"]:
-        plot_step_times(results["step"], results["titles"], output / FIGURE)
+    _plot(results, output)
     print(f"\nwritten: {output / 'bench.json'}", file=sys.stderr)
+
+
+def _plot(results: dict[str, Any], folder: Path) -> None:
+    if results["step"]:
+        plot_step_times(results["step"], results["titles"], folder / FIGURE)
+    if results["mpc"]:
+        plot_ticks(results["mpc"], folder / TICK_FIGURE)

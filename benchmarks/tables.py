@@ -74,17 +74,19 @@ def ratio_table(ratios: Sequence[Row], robot: str) -> str:
 
 
 def loop_table(loop: Sequence[Row]) -> str:
-    """Steps per second and cycle times of each executor."""
-    head = ["executor", "steps per second", "real time factor", "cycle p50 [us]", "p99 [us]"]
+    """Steps per second and cycle times of each case."""
+    head = [
+        *("nodes", "executor", "steps per second", "real time factor"),
+        *("cycle p50 [us]", "p99 [us]"),
+    ]
     keys = ("steps_per_second", "real_time_factor", "cycle_p50_us", "cycle_p99_us")
     forms = ("{:.0f}", "{:.2f}", "{:.0f}", "{:.0f}")
-    return table(
-        head,
-        [
-            [row["executor"], *(f.format(row[key]) for f, key in zip(forms, keys, strict=True))]
-            for row in loop
-        ],
-    )
+    lines = []
+    for row in loop:
+        nodes = "bridge, controller" + (", both generators" if row["generators"] else "")
+        figures = [f.format(row[key]) for f, key in zip(forms, keys, strict=True)]
+        lines.append([nodes, row["executor"], *figures])
+    return table(head, lines)
 
 
 def goal_table(goals: Sequence[Row]) -> str:

@@ -10,7 +10,10 @@ import pytest
 
 from benchmarks.document import write_document
 from benchmarks.goals import check_goals, ratios
-from benchmarks.loop_bench import EXECUTORS
+from benchmarks.loop_bench import CASES
+from benchmarks.mpc_bench import COUNTS, HORIZONS, KINDS
+from benchmarks.mpc_loads import LOADS
+from benchmarks.mpc_report import generators_of, mpc_table
 from benchmarks.run import main
 from benchmarks.step_bench import REGIMES, VARIANTS
 from benchmarks.tables import loop_table
@@ -31,6 +34,28 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def results(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "bench.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def tick_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Output of a quick run over the generators' ticks."""
+    folder = tmp_path_factory.mktemp("ticks")
+    assert main(["--quick", "--only", "mpc", "--output", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def ticks(tick_folder: Path) -> list[dict[str, Any]]:
+    results = json.loads((tick_folder / "bench.json").read_text(encoding="utf-8"))
+    assert results["step"] == results["loop"] == []
+    assert results["goals"] == check_goals([], [], results["mpc"])
+    return results["mpc"]
+
+
+def _loop_rows() -> list[dict[str, Any]]:
+    figures = {"steps_per_second": 1500.0, "real_time_factor": 1.1}
+    figures |= {"cycle_p50_us": 600.0, "cycle_p99_us": 900.0}
+    return [{"executor": c.executor, "generators": c.generators} | figures for c in CASES]
 
 
 def test_every_case_is_measured_once(results: dict[str, Any]) -> None:
@@ -81,27 +106,50 @@ def test_facts_name_no_machine_and_no_folder(folder: Path, results: dict[str, An
     assert str(folder) not in text
 
 
-def test_the_document_is_made_from_the_results(results: dict[str, Any], tmp_path: Path) -> None:
-    loop = [
-        {
-            "executor": executor,
-            "steps_per_second": 1500.0,
-            "real_time_factor": 1.5,
-            "cycle_p50_us": 600.0,
-            "cycle_p99_us": 900.0,
-        }
-        for executor in EXECUTORS
-    ]
-    write_document(results | {"loop": loop}, tmp_path)
+def test_the_document_is_made_from_the_results(
+    results: dict[str, Any], ticks: list[dict[str, Any]], tmp_path: Path
+) -> None:
+    loop = _loop_rows()
+    write_document(results | {"loop": loop, "mpc": ticks}, tmp_path)
     text = (tmp_path / "benchmarks.md").read_text(encoding="utf-8")
     assert loop_table(loop) in text
+    assert all(mpc_table(ticks, generator) in text for generator in generators_of(ticks))
     assert all(goal["goal"] in text for goal in results["goals"])
     assert "{" not in text  # nothing was left to be filled in
 
 
-def test_the_plot_is_a_small_file(folder: Path) -> None:
-    size = (folder / "step_time.png").stat().st_size
-    assert 5_000 < size < 150_000
+def test_the_plots_are_small_files(folder: Path, tick_folder: Path) -> None:
+    for path in (folder / "step_time.png", tick_folder / "tick_time.png"):
+        assert 5_000 < path.stat().st_size < 150_000
+
+
+def test_every_generator_is_timed_while_all_that_it_plans_changes(
+    ticks: list[dict[str, Any]],
+) -> None:
+    cases = {(row["generator"], row["count"], row["horizon"]) for row in ticks}
+    assert cases == {(load.generator, n, h) for load in LOADS for n in COUNTS for h in HORIZONS}
+    assert len(ticks) == len(cases)
+    for row in ticks:
+        assert row["moving_share"] == 1.0, row
+        assert row["second_opinions"] == 0
+        assert set(row["ticks_us"]) == set(KINDS)
+        for times in row["ticks_us"].values():
+            assert times["ticks"] > 0
+            assert 0.0 < times["median"] <= times["p99"]
+
+
+def test_goals_of_ticks_and_loops() -> None:
+    """Two for each generator, at 4 and 1.5 s; one for each loop with the fast executor."""
+    times = {kind: {"median": 100.0} for kind in KINDS} | {"changed": {"median": 2100.0}}
+    rows = [
+        {"generator": "g", "handles": "contacts", "count": n, "horizon": h, "ticks_us": times}
+        for n in COUNTS
+        for h in HORIZONS
+    ]
+    goals = check_goals([], _loop_rows(), rows)
+    assert [goal["limit"] for goal in goals] == [1.2, 1.0, 2000.0, 2000.0]
+    assert [goal["met"] for goal in goals] == [False, True, True, False]
+    assert all("4 contacts, N T = 1.5 s" in goal["goal"] for goal in goals[2:])
 
 
 def test_wrong_options_are_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,65 @@
+"""What the closed loop with generators needs: a contact, an obstacle, a schedule that changes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rclpy
+from ghc_msgs.msg import ContactSchedule as ContactScheduleMessage
+from rclpy.context import Context
+from rclpy.node import Node
+
+from ghc_controller.robots import find_robot
+from ghc_mpc_constraints.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.ros_conversions import SCHEDULE_QOS, schedule_message
+from ghc_sim_bridge.robot_changes import write_changed_robot
+
+SCENE = Path(__file__).with_name("loop_scene.yaml")
+NODES: dict[str, dict[str, Any]] = {  # generator -> its parameters
+    "contact_force_bounds": {},
+    "obstacle_bounds": {"sensor_period": 0.1},
+}
+WAIT_FOR = "[contact_force_bounds, obstacle_motion]"
+_CONTACT = "tool"
+_JUMP_EVERY = 0.5  # [s]
+_LAST_JUMP = 60.0  # [s]
+_UPPER = (60.0, 20.0)  # [N] in turns; never zero: the contact stays on
+
+
+def write_robot(robot: str, folder: Path) -> Path:
+    """The robot with a contact at its tool, which stands still in the air: no harm is done."""
+    contact = {"name": _CONTACT, "frame": "tool", "points": [[0.0, 0.0, 0.0]]}
+    contact |= {"normal": [0.0, 0.0, 1.0], "friction": 0.5, "active": True}
+    changes = {"contacts": [contact]}
+    return write_changed_robot(find_robot(robot), changes, folder / "robot.yaml")
+
+
+def schedule() -> ContactSchedule:
+    """The upper bound jumps twice a second."""
+    times = np.arange(0.0, _LAST_JUMP, _JUMP_EVERY).tolist()
+    upper = [_UPPER[i % 2] for i in range(len(times))]
+    return ContactSchedule.checked(_CONTACT, times, [0.0] * len(times), upper)
+
+
+@contextmanager
+def published_schedule(domain: int, folder: Path) -> Iterator[None]:
+    """Keeps the schedule on its topic, for a generator that starts at any time."""
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ["ROS_LOG_DIR"] = str(folder)
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=domain)
+    try:
+        node = Node("planner", context=context)
+        publisher = node.create_publisher(
+            ContactScheduleMessage, "constraints/contact_schedule", SCHEDULE_QOS
+        )
+        publisher.publish(schedule_message(schedule()))
+        yield
+        node.destroy_node()
+    finally:
+        rclpy.shutdown(context=context)
