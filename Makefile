@@ -43,8 +43,11 @@ run: setup ## one scenario: SCENARIO=name and the options below
 paper: setup ## every experiment of paper and thesis, docs/results.md and docs/mpc_studies.md
 	@$(RUN) ghc_sim_bridge paper $(ARGS)
 
-bench: setup ## time per control step and round trips per second
+bench: setup ## time per control step and per plan, round trips per second
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/run.py $(ARGS)
+
+soak: setup ## memory of the generator nodes over ten simulated minutes
+	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak.py $(ARGS)
 
 test: setup ## all tests; ARGS goes to pytest
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all

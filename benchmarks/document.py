@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.mpc_loads import CHANGE_EVERY, STEP
-from benchmarks.mpc_report import generators_of, mpc_table, start_table
+from benchmarks.mpc_section import tick_section
 from benchmarks.soak_section import keep_soak_section
 from benchmarks.step_bench import REGIMES
 from benchmarks.tables import (
@@ -23,7 +21,6 @@ from benchmarks.timed_controller import PARTS
 from ghc_sim_bridge.markdown import picture
 
 FIGURE = "step_time.png"
-TICK_FIGURE = "tick_time.png"
 _PARTS_AT = 5  # tasks
 
 _INTRODUCTION = """# Time per control step
@@ -31,7 +28,8 @@ _INTRODUCTION = """# Time per control step
 Written by `make bench ARGS=--write-docs`. The paper's figure 12 asks the same question: how long
 does one step take, against the number of tasks? Here every formulation answers it in one run, in
 the same states, with the same model and through the same `Controller.step`: model terms, task
-rows, bounds, projectors, QP, output gate.
+rows, bounds, projectors, QP, output gate. Below that: time per plan of the constraint generators,
+their memory, and the closed loop over DDS.
 """
 
 _CASES = """## What is compared
@@ -54,21 +52,6 @@ _CASES = """## What is compared
   whitened. `balanced` (the default), `weighted`, and `hqp`, a cascade with all bounds at every
   level. Solvers: DAQP (the default; exact active set) and, where it says so, ProxQP.
 - **Settings.** w = 1e-2, control period 1 ms, one thread for linear algebra.
-"""
-
-_TICKS = """## Time per tick of the generators
-
-Each plan of `contact_force_bounds` and `obstacle_bounds` at T = {step:g} s, in this process,
-without messages. Both bounds of every contact jump every 0.4 s; every obstacle jumps about within
-its safe distance, along all axes. So every tick has a change in its horizon ({moving:.0f} % of the
-ticks were smoothed and moved in all that they plan). Every {every} ticks something new comes:
-other schedules for all contacts, other places for all obstacles.
-
-- **change seen before**: the ticks between two such inputs.
-- **new inputs**: the first tick that knows them.
-- **first tick**: of a generator just made. Code is compiled then, but nothing is planned.
-
-Median (p99) in microseconds, by kind of tick and horizon N T.
 """
 
 _NOTES = """## What to keep in mind
@@ -99,7 +82,7 @@ def write_document(results: dict[str, Any], docs: Path) -> None:
     if results["step"]:
         parts += _step(results)
     if results["mpc"]:
-        parts += _ticks(results["mpc"])
+        parts += tick_section(results["mpc"])
     if results["loop"]:
         parts.append(_loop(results))
     parts.append(_NOTES)
@@ -152,25 +135,6 @@ def _step(results: dict[str, Any]) -> list[str]:
         for regime in REGIMES:
             parts.append(f"{results['titles'][robot]}, {REGIME_TITLES[regime]}:\n")
             parts.append(parts_table(step, robot, regime, _PARTS_AT) + "\n")
-    return parts
-
-
-def _ticks(mpc: Sequence[dict[str, Any]]) -> list[str]:
-    moving = 100.0 * min(row["moving_share"] for row in mpc)
-    parts = [
-        _TICKS.format(step=STEP, every=CHANGE_EVERY, moving=moving),
-        picture(
-            TICK_FIGURE,
-            "Median time per tick with a change seen before, whiskers up to the 99th percentile; "
-            "dotted: with new inputs; grey: the goal for 4 at 1.5 s",
-        )
-        + "\n",
-    ]
-    for generator in generators_of(mpc):
-        parts.append(f"### {generator}\n")
-        parts.append(mpc_table(mpc, generator) + "\n")
-    parts.append("Making a generator, mostly the matrices of its horizon, in milliseconds:\n")
-    parts.append(start_table(mpc) + "\n")
     return parts
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,12 +44,17 @@ CASES = (LoopCase("events", False), LoopCase("single", False), LoopCase("events"
 
 
 def run_loop_bench(
-    folder: Path, duration: float, rounds: int, pace: Pace, tell: Callable[[str], None]
+    folder: Path,
+    duration: float,
+    rounds: int,
+    pace: Pace,
+    tell: Callable[[str], None],
+    cases: Sequence[LoopCase] = CASES,
 ) -> Iterator[dict[str, Any]]:
     """One row per case from `rounds` runs of `duration` [s] simulated, in turns."""
-    cycles: dict[LoopCase, list[np.ndarray]] = {case: [] for case in CASES}
+    cycles: dict[LoopCase, list[np.ndarray]] = {case: [] for case in cases}
     for number in range(rounds):
-        for case in CASES:
+        for case in cases:
             pace.take()
             tell(f"lockstep over DDS, {case.title}, {number + 1} of {rounds}")
             name = case.executor + ("_generators" if case.generators else "")

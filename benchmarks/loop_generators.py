@@ -33,8 +33,14 @@ _UPPER = (60.0, 20.0)  # [N] in turns; never zero: the contact stays on
 
 def write_robot(robot: str, folder: Path) -> Path:
     """The robot with a contact at its tool, which stands still in the air: no harm is done."""
-    contact = {"name": _CONTACT, "frame": "tool", "points": [[0.0, 0.0, 0.0]]}
-    contact |= {"normal": [0.0, 0.0, 1.0], "friction": 0.5, "active": True}
+    contact: dict[str, Any] = {
+        "name": _CONTACT,
+        "frame": "tool",
+        "points": [[0.0, 0.0, 0.0]],
+        "normal": [0.0, 0.0, 1.0],
+        "friction": 0.5,
+        "active": True,
+    }
     changes = {"contacts": [contact]}
     return write_changed_robot(find_robot(robot), changes, folder / "robot.yaml")
 

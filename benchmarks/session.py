@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.document import FIGURE, TICK_FIGURE, write_document
+from benchmarks.document import FIGURE, write_document
 from benchmarks.figure import plot_step_times
 from benchmarks.goals import check_goals, ratios
 from benchmarks.loop_bench import run_loop_bench
@@ -18,6 +18,7 @@ from benchmarks.mpc_bench import FULL as MPC_FULL
 from benchmarks.mpc_bench import QUICK as MPC_QUICK
 from benchmarks.mpc_bench import run_mpc_bench
 from benchmarks.mpc_report import generators_of, mpc_table, plot_ticks
+from benchmarks.mpc_section import TICK_FIGURE
 from benchmarks.pace import Pace
 from benchmarks.robots import Arm, BenchRobot, Humanoid
 from benchmarks.states import TORQUE_SHARE

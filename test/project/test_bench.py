@@ -6,18 +6,26 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from ghc_msgs.msg import ControllerState
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 
+from benchmarks import loop_generators
 from benchmarks.document import write_document
 from benchmarks.goals import check_goals, ratios
-from benchmarks.loop_bench import CASES
+from benchmarks.loop_bench import CASES, LoopCase, run_loop_bench
 from benchmarks.mpc_bench import COUNTS, HORIZONS, KINDS
 from benchmarks.mpc_loads import LOADS
 from benchmarks.mpc_report import generators_of, mpc_table
+from benchmarks.pace import Pace
 from benchmarks.run import main
 from benchmarks.step_bench import REGIMES, VARIANTS
 from benchmarks.tables import loop_table
 from benchmarks.timed_controller import PARTS
+from ghc_controller.ros_conversions import STREAM_QOS
+from ghc_sim_bridge.full_rate_log import FullRateLog, Source
 
 pytestmark = pytest.mark.timeout(600)  # [s] it compiles what no other test does
 
@@ -150,6 +158,36 @@ def test_goals_of_ticks_and_loops() -> None:
     assert [goal["limit"] for goal in goals] == [1.2, 1.0, 2000.0, 2000.0]
     assert [goal["met"] for goal in goals] == [False, True, True, False]
     assert all("4 contacts, N T = 1.5 s" in goal["goal"] for goal in goals[2:])
+
+
+def test_the_loop_with_generators_uses_their_plans(ros_context: Any, tmp_path: Path) -> None:
+    """1.3 s at 1 kHz, the wall inside since 1 s: contact and obstacle are in the controller."""
+    node = Node("reader", context=ros_context)
+    states: list[ControllerState] = []
+    node.create_subscription(ControllerState, "ghc/controller_state", states.append, STREAM_QOS)
+    case = LoopCase("events", generators=True)
+    (row,) = run_loop_bench(tmp_path, 0.8, 1, Pace(), lambda _: None, [case])
+    assert row["steps"] == 800
+    assert row["generators"]
+    executor = SingleThreadedExecutor(context=ros_context)
+    executor.add_node(node)
+    for _ in range(20):  # what came last is still there to be read
+        executor.spin_once(timeout_sec=0.05)
+    executor.shutdown()
+    node.destroy_node()
+    assert states[-1].bounded_contacts == ["tool"]
+    assert 20.0 <= states[-1].contact_upper[0] < 60.0
+    assert [obstacle.id for obstacle in states[-1].obstacles] == ["wall"]
+    assert states[-1].obstacles[0].position[1] < 0.4
+    log = FullRateLog.load(tmp_path / "events_generators" / "log.npz")
+    assert set(log.source) == {Source.COMMAND}
+    assert np.abs(log.v).max() < 3.0
+
+
+def test_the_schedule_of_the_loop_outlasts_it_and_keeps_its_contact() -> None:
+    schedule = loop_generators.schedule()
+    assert schedule.times[-1] > 20.0
+    assert schedule.upper.min() > 0.0
 
 
 def test_wrong_options_are_refused(capsys: pytest.CaptureFixture[str]) -> None:

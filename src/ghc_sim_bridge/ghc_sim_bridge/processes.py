@@ -74,6 +74,11 @@ class NodeProcess:
         """Exit code; None while the process runs, negative = ended by that signal."""
         return self._process.poll()
 
+    @property
+    def pid(self) -> int:
+        """Process id; that of the node itself, which is started without a shell."""
+        return self._process.pid
+
     def last_lines(self, count: int = _TAIL_LINES) -> str:
         """The end of what the node printed."""
         text = self.log.read_text(encoding="utf-8", errors="replace")
@@ -151,6 +156,10 @@ class NodeProcesses:
     def last_lines(self, name: str) -> str:
         """The end of what a node printed."""
         return self._nodes[name].last_lines()
+
+    def pid_of(self, name: str) -> int:
+        """Process id of a node."""
+        return self._nodes[name].pid
 
     def exit_codes(self) -> dict[str, int | None]:
         """Exit code per node."""

@@ -1,0 +1,74 @@
+"""What `make soak` shows: table, figure, section of docs/benchmarks.md."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks.memory import GROWTH_GOAL, MemoryCourse
+from benchmarks.soak_section import with_soak_section
+from ghc_sim_bridge.figure_style import colour, new_figure, save_png, styled
+from ghc_sim_bridge.markdown import picture, table
+
+FIGURE = "generator_memory.png"
+
+_TEXT = """## Memory of the generators
+
+{short}Each generator as a process of its own, asked over DDS for plan after plan as fast as it
+answers, for {simulated:g} s of simulated time ({plans} plans each). Ten times a second a schedule
+is replaced, or all obstacles jump and some come and go. Resident memory in MB (1e6 bytes) from
+`/proc`, without the first {warm_up:g} s; growth is the difference of the medians of the first and
+the last 5 % of the rest. Goal: at most {goal:g} MB.
+"""
+
+
+def soak_table(rows: Sequence[dict[str, Any]]) -> str:
+    """One line a node, sizes in MB."""
+    head = ["node", "handles", "plans", "after the warm-up", "end", "peak", "growth", ""]
+    return table(
+        head,
+        [
+            [
+                f"`{row['node']}`",
+                str(row["handled"]),
+                str(row["plans"]),
+                *(f"{row[key]:.1f}" for key in ("warm_mb", "last_mb", "peak_mb")),
+                f"{row['growth_mb']:.2f}",
+                "met" if row["met"] else "missed",
+            ]
+            for row in rows
+        ],
+    )
+
+
+def plot_memory(courses: Sequence[MemoryCourse], path: Path) -> None:
+    """Resident memory over simulated time, the warm-up in grey."""
+    figure = new_figure(6.0, 2.6)
+    with styled():
+        ax = figure.subplots()
+    for index, course in enumerate(courses):
+        ax.plot(course.times, course.resident, color=colour(index), label=course.node)
+    ax.axvspan(0.0, courses[0].warm_up, color="#DDDDDD", lw=0, zorder=0)
+    ax.set_xlim(0.0, courses[0].times[-1])
+    ax.set_ylim(0.0, None)
+    ax.set_xlabel("simulated time [s]")
+    ax.set_ylabel("resident memory [MB]")
+    ax.legend(loc="lower right")
+    save_png(figure, path)
+
+
+def write_soak_section(results: dict[str, Any], document: Path) -> None:
+    """Put the results into the document; the figure is expected beside it in figures/."""
+    rows = results["nodes"]
+    short = "**A short run: too short for figures to be quoted.** " if results["quick"] else ""
+    text = _TEXT.format(
+        short=short,
+        simulated=rows[0]["simulated_s"],
+        plans=rows[0]["plans"],
+        warm_up=rows[0]["warm_up_s"],
+        goal=GROWTH_GOAL,
+    )
+    body = "\n".join([text, soak_table(rows) + "\n", picture(FIGURE, "Resident memory")])
+    before = document.read_text(encoding="utf-8") if document.exists() else ""
+    document.write_text(with_soak_section(before, body), encoding="utf-8")
