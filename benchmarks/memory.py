@@ -32,6 +32,10 @@ class MemoryCourse:
         part = max(round(_ENDS * len(values)), 1)
         return float(np.median(values[-part:]) - np.median(values[:part]))
 
+    def warm_memory(self) -> float:
+        """Resident memory [MB] at the end of the warm-up."""
+        return float(self._after_warm_up()[0])
+
     def summary(self) -> dict[str, object]:
         """Figures of the course; MB = 1e6 bytes."""
         values = self._after_warm_up()
@@ -42,7 +46,7 @@ class MemoryCourse:
             "plans": self.plans,
             "handled": self.handled,
             "first_mb": round(self.resident[0], 3),
-            "warm_mb": round(float(values[0]), 3),
+            "warm_mb": round(self.warm_memory(), 3),
             "last_mb": round(float(values[-1]), 3),
             "peak_mb": round(float(values.max()), 3),
             "growth_mb": round(self.growth(), 3),

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from benchmarks.memory import GROWTH_GOAL, MemoryCourse
 from benchmarks.soak_section import with_soak_section
 from ghc_sim_bridge.figure_style import colour, new_figure, save_png, styled
@@ -13,6 +15,7 @@ from ghc_sim_bridge.markdown import picture, table
 
 FIGURE = "generator_memory.png"
 
+_CAPTION = "Resident memory since the end of the warm-up (grey); line: the goal"
 _TEXT = """## Memory of the generators
 
 {short}Each generator as a process of its own, asked over DDS for plan after plan as fast as it
@@ -43,18 +46,20 @@ def soak_table(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def plot_memory(courses: Sequence[MemoryCourse], path: Path) -> None:
-    """Resident memory over simulated time, the warm-up in grey."""
+    """Change of resident memory since the end of the warm-up, which is grey; grey line: goal."""
     figure = new_figure(6.0, 2.6)
     with styled():
         ax = figure.subplots()
     for index, course in enumerate(courses):
-        ax.plot(course.times, course.resident, color=colour(index), label=course.node)
+        change = np.array(course.resident) - course.warm_memory()
+        ax.plot(course.times, change, color=colour(index), label=course.node)
     ax.axvspan(0.0, courses[0].warm_up, color="#DDDDDD", lw=0, zorder=0)
+    ax.axhline(GROWTH_GOAL, color="#999999", lw=0.8, zorder=0)
     ax.set_xlim(0.0, courses[0].times[-1])
-    ax.set_ylim(0.0, None)
+    ax.set_ylim(min(-0.5, ax.get_ylim()[0]), max(1.25 * GROWTH_GOAL, ax.get_ylim()[1]))
     ax.set_xlabel("simulated time [s]")
-    ax.set_ylabel("resident memory [MB]")
-    ax.legend(loc="lower right")
+    ax.set_ylabel("change of memory [MB]")
+    ax.legend(loc="upper right")
     save_png(figure, path)
 
 
@@ -69,6 +74,6 @@ def write_soak_section(results: dict[str, Any], document: Path) -> None:
         warm_up=rows[0]["warm_up_s"],
         goal=GROWTH_GOAL,
     )
-    body = "\n".join([text, soak_table(rows) + "\n", picture(FIGURE, "Resident memory")])
+    body = "\n".join([text, soak_table(rows) + "\n", picture(FIGURE, _CAPTION)])
     before = document.read_text(encoding="utf-8") if document.exists() else ""
     document.write_text(with_soak_section(before, body), encoding="utf-8")
