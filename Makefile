@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench paper lint format lock clean distclean
+.PHONY: help setup demo run test bench soak paper lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
