@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -109,13 +110,15 @@ class PythonPackages(ColconBuild):
 
 
 class Kernels(Step):
-    """Inner loops of the controller, compiled into the caches beside their sources."""
+    """Inner loops of controller and generators, compiled into the caches beside their sources."""
 
-    title = "kernels of the controller (compiled, about a minute)"
+    title = "kernels of controller and generators (compiled, about a minute)"
+    _PACKAGES = ("ghc_controller", "ghc_mpc_constraints")  # the second one uses the first
 
     def key(self) -> str:
-        sources = (path for path in files_below(self._package()) if path.suffix == ".py")
-        files = [path for path in sources if b"njit" in path.read_bytes()]
+        sources = (path for folder in self._folders() for path in files_below(folder))
+        files = [path for path in sources if path.suffix == ".py"]
+        files = [path for path in files if b"njit" in path.read_bytes()]
         return key_of([*files, self.context.lock()], self.context.venv_version(), self.layout.root)
 
     def stamp(self) -> Stamp:
@@ -125,14 +128,17 @@ class Kernels(Step):
         return []
 
     def make(self) -> None:
-        for cached in self._package().glob("**/__pycache__/*.nb[ic]"):
-            cached.unlink()  # a cache does not notice edits of the functions that it calls
-        environment = {**self.context.environment(), "PYTHONPATH": str(self._package())}
-        self.context.run(
-            [str(self.layout.python), "-m", "ghc_controller.compile_kernels"],
-            environment,
-            "the kernels of the controller could not be compiled",
-        )
+        for folder in self._folders():
+            for cached in folder.glob("**/__pycache__/*.nb[ic]"):
+                cached.unlink()  # a cache does not notice edits of the functions that it calls
+        path = os.pathsep.join(str(folder) for folder in self._folders())
+        environment = {**self.context.environment(), "PYTHONPATH": path}
+        for package in self._PACKAGES:
+            self.context.run(
+                [str(self.layout.python), "-m", f"{package}.compile_kernels"],
+                environment,
+                f"the kernels of {package} could not be compiled",
+            )
 
-    def _package(self) -> Path:
-        return self.layout.source / "ghc_controller"
+    def _folders(self) -> list[Path]:
+        return [self.layout.source / package for package in self._PACKAGES]
