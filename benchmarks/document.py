@@ -7,6 +7,7 @@ from typing import Any
 
 from benchmarks.mpc_section import tick_section
 from benchmarks.soak_section import keep_soak_section
+from benchmarks.standing_bench import standing_section
 from benchmarks.step_bench import REGIMES
 from benchmarks.tables import (
     REGIME_TITLES,
@@ -81,6 +82,7 @@ def write_document(results: dict[str, Any], docs: Path) -> None:
     ]
     if results["step"]:
         parts += _step(results)
+    parts.append(standing_section(results["standing"]))
     if results["mpc"]:
         parts += tick_section(results["mpc"])
     if results["loop"]:

@@ -11,6 +11,7 @@ _TASKS = 5
 _STEP_GOALS = {"kuka_lwr": 100.0, "icub": 250.0}  # [us] median, at most
 _RATIO_GOALS = {"kuka_lwr": 2.0, "icub": 5.0}  # ghc_full over ghc, at least
 _REAL_TIME_GOALS = {False: 1.2, True: 1.0}  # [-] without and with generators, at least
+_STANDING_GOAL = 1000.0  # [us] median, at most
 _CHECKED = ("ghc", "balanced")
 TICK_GOAL = 2000.0  # [us] median tick of a generator, at most
 TICK_COUNT, TICK_HORIZON = 4, 1.5  # with so many contacts or obstacles, N T [s]
@@ -30,7 +31,12 @@ def ratios(step: Sequence[Row]) -> list[Row]:
     return found
 
 
-def check_goals(step: Sequence[Row], loop: Sequence[Row], mpc: Sequence[Row] = ()) -> list[Row]:
+def check_goals(
+    step: Sequence[Row],
+    loop: Sequence[Row],
+    mpc: Sequence[Row] = (),
+    standing: Sequence[Row] = (),
+) -> list[Row]:
     """Each goal with what was measured, and whether it is met."""
     checked = []
     for robot, limit in _STEP_GOALS.items():
@@ -45,6 +51,10 @@ def check_goals(step: Sequence[Row], loop: Sequence[Row], mpc: Sequence[Row] = (
             what = f"{row['robot']}, {_TASKS} tasks: ghc_full over ghc"
             least = _RATIO_GOALS[row["robot"]]
             checked.append(_goal(what, row["regime"], ">=", least, row["full_over_condensed"]))
+    for row in standing:
+        if row["tasks"] == _TASKS and row["formulation"] == "balanced":
+            what = f"iCub standing on both feet, {_TASKS} tasks, balanced: median step [us]"
+            checked.append(_goal(what, "", "<=", _STANDING_GOAL, row["median_us"]))
     for row in loop:
         if row["executor"] == "events":
             with_them = " with both generators" if row["generators"] else ""

@@ -39,7 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bench", description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a short run, to see that it works")
-    parser.add_argument("--only", choices=("step", "mpc", "loop"), help="one of the benchmarks")
+    parser.add_argument(
+        "--only", choices=("step", "standing", "mpc", "loop"), help="one of the benchmarks"
+    )
     parser.add_argument("--robot", choices=("kuka_lwr", "icub"), help="steps of one robot only")
     parser.add_argument("--output", type=Path, default=Path("results/bench"), metavar="DIR")
     parser.add_argument(

@@ -21,6 +21,8 @@ from benchmarks.mpc_report import generators_of, mpc_table, plot_ticks
 from benchmarks.mpc_section import TICK_FIGURE
 from benchmarks.pace import Pace
 from benchmarks.robots import Arm, BenchRobot, Humanoid
+from benchmarks.standing_bench import TITLE as STANDING
+from benchmarks.standing_bench import run_standing_bench, standing_table
 from benchmarks.states import TORQUE_SHARE
 from benchmarks.step_bench import FULL, QUICK, REGIMES, run_step_bench
 from benchmarks.tables import REGIME_TITLES, goal_table, loop_table, robots_of, step_table
@@ -28,6 +30,8 @@ from tools.workspace.layout import Layout
 
 _LOOP = (6.0, 5)  # [s] simulated per run, runs per executor
 _QUICK_LOOP = (1.0, 1)
+_STANDING = (5, 40, 5)  # segments, steps in each, rounds
+_QUICK_STANDING = (1, 10, 1)
 
 
 def run_session(options: argparse.Namespace, root: Path) -> dict[str, Any]:
@@ -37,6 +41,10 @@ def run_session(options: argparse.Namespace, root: Path) -> dict[str, Any]:
     before, pace = load_average(), Pace()
     pace.take()
     step = list(run_step_bench(robots, effort, pace, _tell))
+    standing: list[dict[str, Any]] = []
+    if options.only in (None, "standing"):
+        amount = _QUICK_STANDING if options.quick else _STANDING
+        standing = list(run_standing_bench(Layout(root), *amount, pace, _tell))
     duration, rounds = _QUICK_LOOP if options.quick else _LOOP
     mpc: list[dict[str, Any]] = []
     if options.only in (None, "mpc"):
@@ -57,9 +65,10 @@ def run_session(options: argparse.Namespace, root: Path) -> dict[str, Any]:
         "titles": {robot.name: robot.title for robot in robots},
         "step": step,
         "ratios": ratios(step),
+        "standing": standing,
         "mpc": mpc,
         "loop": loop,
-        "goals": check_goals(step, loop, mpc),
+        "goals": check_goals(step, loop, mpc, standing),
     }
     _print(results)
     _write(results, options.output)
@@ -89,6 +98,9 @@ def _print(results: dict[str, Any]) -> None:
         for regime in REGIMES:
             print(f"\n{results['titles'][robot]}, {REGIME_TITLES[regime]}: median (p99) [us]\n")
             print(step_table(step, robot, regime))
+    if results["standing"]:
+        print(f"\n{STANDING}: median (p99) [us]\n")
+        print(standing_table(results["standing"]))
     for generator in generators_of(results["mpc"]):
         print(f"\n{generator}, time per tick: median (p99) [us]\n")
         print(mpc_table(results["mpc"], generator))

@@ -194,3 +194,10 @@ def test_wrong_options_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["--only", "everything"])
     assert "step" in capsys.readouterr().err
+
+
+def test_the_standing_humanoid_is_timed_with_its_feet_in_contact(tmp_path: Path) -> None:
+    assert main(["--quick", "--only", "standing", "--output", str(tmp_path)]) == 0
+    rows = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))["standing"]
+    assert {row["tasks"] for row in rows} == {1, 2, 3, 4, 5}
+    assert all(row["qp_share"] == row["solved_share"] == 1.0 for row in rows)
