@@ -26,7 +26,13 @@ from ghc_controller.qp import make_solver
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.report import ObstacleReport, Report, StepResult, StepStatus
-from ghc_controller.reporting import Limits, contact_report, make_report, task_reports
+from ghc_controller.reporting import (
+    Limits,
+    contact_report,
+    load_report,
+    make_report,
+    task_reports,
+)
 from ghc_controller.robot_config import RobotConfig, load_robot_config
 from ghc_controller.robots import find_robot
 from ghc_controller.task_stack import TaskStack
@@ -203,6 +209,7 @@ class Controller:
         contacts = contact_report(
             self.contacts, self.force_bounds.planned, limits.normal_bounds, result.solution.force
         )
+        loads = load_report(self.contacts, limits.normal_bounds, result.solution.force)
         states = self.obstacles.states(result.time)
         return make_report(
             result,
@@ -211,6 +218,7 @@ class Controller:
             self._alpha,
             self.priorities.sigma_min,
             contacts,
+            loads,
             tuple(ObstacleReport(planned, state) for planned, state in states),
             self.counts | self.gate.counts,
         )

@@ -57,6 +57,15 @@ class ContactReport:
 
 
 @dataclass(frozen=True, slots=True)
+class LoadReport:
+    """What the QP asks of the contacts that are on."""
+
+    names: tuple[str, ...]  # a
+    normal: Array  # (a,) [N] normal force of all points together
+    friction_use: Array  # (a,) [-] largest |F_t| / (mu F_n) of a point
+
+
+@dataclass(frozen=True, slots=True)
 class ObstacleReport:
     """One virtual obstacle as this step used it."""
 
@@ -77,4 +86,5 @@ class Report:
     fallback_reason: str
     counts: dict[str, int]
     contacts: ContactReport
+    loads: LoadReport
     obstacles: tuple[ObstacleReport, ...]

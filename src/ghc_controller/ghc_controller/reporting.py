@@ -13,6 +13,7 @@ from ghc_controller.formulations import AccelerationRows, ContactRows, Solution
 from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.report import (
     ContactReport,
+    LoadReport,
     ObstacleReport,
     Report,
     StepResult,
@@ -42,6 +43,7 @@ def make_report(
     alpha: Array,
     sigma_min: float,
     contacts: ContactReport,
+    loads: LoadReport,
     obstacles: tuple[ObstacleReport, ...],
     counts: Mapping[str, int],
 ) -> Report:
@@ -67,6 +69,7 @@ def make_report(
         reason,
         dict(counts),
         contacts,
+        loads,
         obstacles,
     )
 
@@ -85,6 +88,15 @@ def contact_report(
     places = [contacts.names.index(name) for name in planned]
     normal = contacts.normal_forces(bounds.active, force)
     return ContactReport(planned, bounds.lower[places], bounds.upper[places], normal[places])
+
+
+def load_report(contacts: ContactSet, bounds: NormalBounds, force: Array) -> LoadReport:
+    """Forces of the contacts that are on, planned or not."""
+    places = [place for place, on in enumerate(bounds.active) if on]
+    normal = contacts.normal_forces(bounds.active, force)
+    use = contacts.friction_use(bounds.active, force)
+    names = tuple(contacts.names[place] for place in places)
+    return LoadReport(names, normal[places], use[places])
 
 
 def _task_report(

@@ -266,6 +266,9 @@ def controller_state_message(
     message.contact_lower = report.contacts.lower.tolist()
     message.contact_upper = report.contacts.upper.tolist()
     message.contact_forces = report.contacts.force.tolist()
+    message.contacts = list(report.loads.names)
+    message.normal_forces = report.loads.normal.tolist()
+    message.friction_use = report.loads.friction_use.tolist()
     message.time_terms = result.time_terms
     message.time_solve = result.time_solve
     message.time_step = result.time_step

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ghc_sim_bridge.constraint_series import ConstraintTrace
+from ghc_sim_bridge.contact_loads import LoadTrace
 
 
 @dataclass(slots=True)
@@ -25,6 +26,7 @@ class ControllerTrace:
     slack: dict[str, float] = field(default_factory=dict)  # row -> largest slack
     fallback_reasons: set[str] = field(default_factory=set)
     constraints: ConstraintTrace = field(default_factory=ConstraintTrace)
+    loads: LoadTrace = field(default_factory=LoadTrace)
     counts: dict[str, int] = field(default_factory=dict)  # the latest ones
 
     def alpha_over_time(self) -> NDArray[np.float64]:

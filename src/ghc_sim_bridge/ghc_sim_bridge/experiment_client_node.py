@@ -183,4 +183,5 @@ class ExperimentClient(Node):
         if message.fallback_reason:
             trace.fallback_reasons.add(message.fallback_reason)
         trace.constraints.append(time, message)
+        trace.loads.append(time, message)
         trace.counts = {count.name: count.count for count in message.counts}

@@ -69,13 +69,10 @@ def obstacle_distance(
     present = np.isfinite(values).all(axis=1)
     times, values = series.time[present], values[present]
     rows = np.minimum(np.searchsorted(log.time, times - _SAME_TIME), len(log.time) - 1)
-    order = [log.joint_names.index(joint) for joint in model.joint_names]
     frame = model.frame_id(series.frames[obstacle.id])
     virtual, predicted, actual = (np.full(len(rows), np.nan) for _ in range(3))
     for k, row in enumerate(rows):
-        model.update(log.q[row, order], log.v[row, order])
-        acceleration = model.frame_jacobian(frame)[:3] @ log.acceleration[row, order]
-        acceleration = acceleration + model.frame_drift(frame)[:3]
+        acceleration = _frame_acceleration(log, model, frame, row)
         normal = values[k, NORMAL]
         place = model.frame_position(frame)
         distance = normal @ (place - values[k, POSITION])
@@ -87,3 +84,21 @@ def obstacle_distance(
             actual[k] = normal @ (place - np.array(seen))
         predicted[k] = distance + horizon * (speed + 0.5 * horizon * growth)
     return DistanceHistory(times, virtual, predicted, actual, values[:, SAFE_DISTANCE])
+
+
+def _frame_acceleration(log: FullRateLog, model: RobotModel, frame: int, row: int) -> Array:
+    """Acceleration (3,) of a frame at a row [m/s^2], world axes; leaves the model at that row.
+
+    The log has none of a base that floats: there it is the mean over the period that follows.
+    """
+    joints = model.joint_names
+    if log.base_pose is None:
+        model.update(log.configuration(row, joints), log.velocity(row, joints))
+        order = [log.joint_names.index(joint) for joint in joints]
+        acceleration = model.frame_jacobian(frame)[:3] @ log.acceleration[row, order]
+        return np.asarray(acceleration + model.frame_drift(frame)[:3])
+    last = min(row + 1, len(log.time) - 1)
+    model.update(log.configuration(last, joints), log.velocity(last, joints))
+    after = model.frame_velocity(frame)[:3].copy()
+    model.update(log.configuration(row, joints), log.velocity(row, joints))
+    return np.asarray((after - model.frame_velocity(frame)[:3]) / log.control_dt)

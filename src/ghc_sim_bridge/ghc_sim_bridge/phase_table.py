@@ -7,12 +7,15 @@ from typing import Any
 
 from ghc_sim_bridge.text_table import aligned
 
+MOST_COLUMNS = 4  # of tasks: more of them are shown as rows
 _ROUNDING = 1e-6  # relative excess of a limit that is not worth a word
 
 
 def phase_table(summary: Mapping[str, Any]) -> str:
     """Hierarchy, task errors at the end, peak torque rate and jerk integral of each phase."""
     units = summary["error_units"]
+    if len(units) > MOST_COLUMNS:
+        return _tasks_as_rows(summary)
     period = 1e3 * summary["control_dt_s"]
     head = [
         "phase",
@@ -37,6 +40,29 @@ def phase_table(summary: Mapping[str, Any]) -> str:
             ]
         )
     return aligned(head, rows, left=(1,))
+
+
+def _tasks_as_rows(summary: Mapping[str, Any]) -> str:
+    """One column for each phase: fits a terminal however many tasks there are."""
+    units, phases = summary["error_units"], summary["phases"]
+    rates = summary["peak_torque_rate_nm_per_s"]["per_phase"]
+    jerks = summary["jerk_integral"]["per_phase"]
+    hierarchies = [f"phase {k + 1}: {phase['hierarchy']}" for k, phase in enumerate(phases)]
+    rows = [
+        ["from [s]", *(f"{phase['t_start']:g}" for phase in phases)],
+        ["to [s]", *(f"{phase['t_end']:g}" for phase in phases)],
+        *(
+            [f"{task} [{unit}]", *(f"{phase['errors'][task]:.2e}" for phase in phases)]
+            for task, unit in units.items()
+        ),
+        [
+            f"torque rate [Nm/s @ {1e3 * summary['control_dt_s']:g} ms]",
+            *(f"{rate:.0f}" for rate in rates),
+        ],
+        ["jerk integral [rad/s^2]", *(f"{jerk:.1f}" for jerk in jerks)],
+    ]
+    head = ["errors at the end of phase", *(str(k + 1) for k in range(len(phases)))]
+    return "\n".join([*hierarchies, aligned(head, rows, left=(0,))])
 
 
 def outcome_lines(summary: Mapping[str, Any]) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_sim_bridge.analysis import analyse, analyse_folder
+from ghc_sim_bridge.balance_summary import balance_lines
 from ghc_sim_bridge.claims import check_references
 from ghc_sim_bridge.comparison_figures import variants_comparison
 from ghc_sim_bridge.controller_series import ControllerSeries
@@ -57,6 +58,8 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
     print(f"\n{plan.scenario.title}: {plan.scenario.name}, {plan.folder.name}")
     print(phase_table(summary))
     print(outcome_lines(summary))
+    if balance := balance_lines(summary):
+        print(balance)
     print(f"results: {plan.folder}", flush=True)
     return summary
 

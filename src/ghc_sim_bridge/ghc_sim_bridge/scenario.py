@@ -71,6 +71,9 @@ class Scenario:
     contact_schedules: tuple[ScriptedSchedule, ...]  # for the generator of force bounds
     events: tuple[Event, ...]  # jumps whose cost is compared without and with generators
     paper: Mapping[str, Any]  # what the paper says, copied into the summary
+    standing_height: float | None = (
+        None  # [m] of a floating base at the end; None = as at the start
+    )
 
 
 def scenario_names() -> tuple[str, ...]:
@@ -150,6 +153,11 @@ def _read_scenario(
         contact_schedules=schedules,
         events=read_events(fields),
         paper=dict(fields.value("paper", {})),
+        standing_height=(
+            fields.number("standing_height", minimum=0.0)
+            if fields.has("standing_height")
+            else None
+        ),
     )
     fields.close()
     return scenario

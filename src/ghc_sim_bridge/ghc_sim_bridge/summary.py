@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ghc_sim_bridge.analysis import Analysis
+from ghc_sim_bridge.balance_summary import balance_summary
 from ghc_sim_bridge.claims import error_disagreement
 from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.full_rate_log import Source
@@ -68,6 +69,7 @@ def make_summary(
         "torque_rate_limit_nm_per_s": rate_limit if rate_limit > 0.0 else None,
     }
     summary |= _contact_forces(analysis)
+    summary |= balance_summary(analysis, trace)
     if plan.scenario.paper:
         summary["paper"] = _beside_paper(analysis)
     return rounded(summary)

@@ -19,6 +19,7 @@ from ghc_controller.types import Array
 
 _FORCE_WEIGHT = 1e-4  # [-] on |f|^2, beside the unit weight of task accelerations
 _STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
+CARRIES = 0.1  # [N] of normal force: below it the share of friction is noise
 _PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
 
 
@@ -114,6 +115,22 @@ class ContactSet:
             normal[list(layout.places)] = layout.normals @ force
         return normal
 
+    def friction_use(self, active: tuple[bool, ...], force: Array) -> Array:
+        """Largest |F_t| / (mu F_n) [-] of the points of every contact, of forces (c,) of the QP.
+
+        0 where a contact is off, has no friction, or carries next to nothing.
+        """
+        use = np.zeros(len(self.contacts))
+        layout = self._layouts.get(active)
+        if layout is None or not force.shape[0]:
+            return use
+        for place, entries in zip(layout.places, layout.force, strict=True):
+            contact = self.contacts[place]
+            if contact.friction > 0.0:
+                points = force[entries].reshape(-1, contact.force_axes.shape[0])
+                use[place] = largest_friction_use(points, contact.friction)
+        return use
+
     def _force_cost(
         self, layout: _Layout, references: ReferenceSchedule, time: float
     ) -> tuple[Array, Array]:
@@ -160,6 +177,15 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
     return _Layout(
         places, tuple(motion), tuple(force), matrix, lower, upper, tuple(names), normals
     )
+
+
+def largest_friction_use(force: Array, friction: float) -> float:
+    """Largest |F_t| / (mu F_n) [-] of forces (p, 3) [N], the normal last; 0 below `CARRIES`."""
+    carrying = force[force[:, 2] > CARRIES]
+    if not carrying.shape[0]:
+        return 0.0
+    tangential = np.linalg.norm(carrying[:, :2], axis=1)
+    return float((tangential / (friction * carrying[:, 2])).max())
 
 
 def _cone(friction: float, first: int, c: int) -> Array:
