@@ -208,3 +208,21 @@ def test_a_normal_needs_a_direction_and_names_must_differ(robot: RobotConfig) ->
         _contact(robot, normal=[0, 0, 0])
     with pytest.raises(InvalidValue, match="given twice"):
         ContactSet([_contact(robot), _contact(robot)])
+
+
+def test_friction_use_is_the_share_of_the_cone(robot: RobotConfig) -> None:
+    """Of the worst point that carries something; 0 without friction, or off."""
+    contacts = ContactSet(
+        [
+            _contact(robot, name="rough", points=SQUARE[:2], friction=0.5, active=True),
+            _contact(robot, name="smooth", friction=0.0, active=True),
+            _contact(robot, name="off", friction=0.5),
+        ]
+    )
+    bounds = BoundsInForce(contacts.contacts).at(0.0)
+    robot.model.update(np.zeros(7), np.zeros(7))
+    contacts.rows(robot.model, bounds, ReferenceSchedule([]), 0.0)
+    force = np.array([3.0, 4.0, 20.0, 1.0, 0.0, 0.01, 7.0])
+    use = contacts.friction_use(bounds.active, force)
+    assert use == pytest.approx([0.5, 0.0, 0.0])
+    assert contacts.normal_forces(bounds.active, force) == pytest.approx([20.01, 7.0, 0.0])

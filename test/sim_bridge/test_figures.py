@@ -11,7 +11,7 @@ from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import Analysis, analyse
 from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.figure_style import envelope, save_png, short_hierarchy
-from ghc_sim_bridge.figures import run_figures
+from ghc_sim_bridge.figures import alpha_panels, run_figures
 from ghc_sim_bridge.phase_table import phase_table
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
@@ -153,3 +153,32 @@ def test_json_holds_no_number_that_json_does_not_know() -> None:
     assert rounded({"a": [np.float64("nan"), np.inf, np.int64(3), 0.12345678949]}) == {
         "a": [None, None, 3, 0.123456789]
     }
+
+
+def test_of_many_tasks_only_the_priorities_that_change_are_drawn() -> None:
+    """Six tasks, of which the last two swap: one panel, and the file warns of nothing."""
+    alpha = np.triu(np.ones((6, 6)), 1).T
+    swapped = alpha.copy()
+    swapped[4, 5], swapped[5, 4] = 1.0, 0.0
+    trace = ControllerTrace(tasks=tuple("abcdef"))
+    trace.time = [0.0, 1.0]
+    trace.alpha = [matrix.ravel().tolist() for matrix in (alpha, swapped)]
+    assert alpha_panels(trace) == [[(4, 5), (5, 4)]]
+    trace.alpha = [alpha.ravel().tolist()] * 2
+    assert alpha_panels(trace) == [[(0, 1), (1, 0)]]
+
+
+def test_many_tasks_are_rows_of_the_table(tmp_path: Path) -> None:
+    """A table fits a terminal however many tasks there are, and holds the same figures."""
+    analysis, trace = made_up(tmp_path, "priority_switching")
+    summary = make_summary(analysis, trace, {"sim_bridge": 0}, 10.0)
+    few = phase_table(summary)
+    extra = {f"extra_{k}": "m" for k in range(4)}
+    summary["error_units"] |= extra
+    for phase in summary["phases"]:
+        phase["errors"] |= dict.fromkeys(extra, 1.234e-3)
+    many = phase_table(summary)
+    assert max(map(len, many.splitlines())) < 100 < max(map(len, few.splitlines()))
+    assert many.count("1.23e-03") == len(extra) * len(summary["phases"])
+    for phase in summary["phases"]:
+        assert f"{phase['errors']['elbow']:.2e}" in many and phase["hierarchy"] in many

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,6 +28,7 @@ Array = NDArray[np.float64]
 
 _SMALLEST_ERROR = 1e-8  # lower end of logarithmic axes
 _NAMED_JOINTS = 7  # in the legend of a figure
+_MANY_TASKS = 4  # more of them: only priorities that change are drawn
 _MOVES = 1e-6  # [m] a reference that stays within this is static
 
 
@@ -48,7 +50,7 @@ def run_figures(analysis: Analysis, trace: ControllerTrace) -> dict[str, Figure]
 
 def tasks_figure(analysis: Analysis, trace: ControllerTrace) -> Figure:
     """Priorities at the top, task errors below, linear and logarithmic (figures 2 to 4, 7)."""
-    pairs = _alpha_panels(trace)
+    pairs = alpha_panels(trace)
     figure = new_figure(9.0, 4.6 + 0.62 * len(pairs))
     axes = figure.subplots(
         len(pairs) + 2, 1, sharex=True, height_ratios=[0.45] * len(pairs) + [1.5, 1.5]
@@ -67,7 +69,7 @@ def tasks_figure(analysis: Analysis, trace: ControllerTrace) -> Figure:
     figure.legend(
         *logarithmic.get_legend_handles_labels(),
         loc="outside lower center",
-        ncols=len(analysis.history.tasks),
+        ncols=min(len(analysis.history.tasks), _MANY_TASKS),
     )
     for ax in axes:
         mark_phases(ax, analysis.plan.phases)
@@ -185,7 +187,7 @@ def force_figure(analysis: Analysis, trace: ControllerTrace, task: TaskHistory) 
     history = analysis.history
     figure = new_figure(9.0, 6.4)
     alphas, errors, force = figure.subplots(3, 1, sharex=True, height_ratios=[0.5, 1.5, 1.8])
-    _draw_alphas([alphas], _alpha_panels(trace)[:1], trace)
+    _draw_alphas([alphas], alpha_panels(trace)[:1], trace)
     for index, other in enumerate(history.tasks):
         if other.unit == "m":
             suffix = " (in contact: within the plane)" if other is task else ""
@@ -243,12 +245,19 @@ def _title(analysis: Analysis) -> str:
     return f"{plan.scenario.title} ({plan.formulation}, {ramp}, {period})"
 
 
-def _alpha_panels(trace: ControllerTrace) -> list[list[tuple[int, int]]]:
-    """One panel for each pair of tasks, and one for the removals where there are any."""
+def alpha_panels(trace: ControllerTrace) -> list[list[tuple[int, int]]]:
+    """One panel for each pair of tasks, and one for the removals where there are any.
+
+    Of many tasks only those whose priority changes; the first pair where nothing does.
+    """
     alpha = trace.alpha_over_time()
     count = len(trace.tasks)
     pairs = [[(i, j), (j, i)] for i in range(count) for j in range(i + 1, count)]
     removed = [(i, i) for i in range(count) if alpha[:, i, i].max(initial=0.0) > 0.0]
+    if count > _MANY_TASKS:
+        changing = np.ptp(alpha, axis=0) > 0.0
+        pairs = [pair for pair in pairs if any(changing[entry] for entry in pair)] or pairs[:1]
+        removed = [entry for entry in removed if changing[entry]]
     return pairs + ([removed] if removed else [])
 
 
@@ -257,7 +266,7 @@ def _draw_alphas(
 ) -> None:
     alpha = trace.alpha_over_time()
     for ax, panel in zip(axes, panels, strict=True):
-        for (i, j), style in zip(panel, ("-", "--", ":"), strict=False):
+        for (i, j), style in zip(panel, cycle(("-", "--", ":")), strict=False):
             ax.plot(
                 trace.time,
                 alpha[:, i, j],
