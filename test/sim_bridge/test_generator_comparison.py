@@ -14,6 +14,7 @@ import yaml
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.robot_config import load_robot_config
+from ghc_controller.robot_model import RobotModel
 from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import analyse
 from ghc_sim_bridge.constraint_series import ConstraintSeries, ConstraintTrace
@@ -159,6 +160,31 @@ def test_the_distance_ahead_counts_the_obstacles_speed() -> None:
     assert history.violation == history.closest == 0.0
     further = obstacle_distance(trace.series(), wall, log, model, 0.2)
     assert further.violation == pytest.approx(0.2 - 0.19)
+
+
+def test_the_distance_of_a_robot_whose_base_floats_grows_with_its_base() -> None:
+    """Joints at rest, the base is pulled away from an obstacle at rest."""
+    model = RobotModel.from_urdf(load_robot_config(ROBOT).urdf, floating_base=True)
+    rows, dt = 20, 0.01
+    time = np.arange(rows) * dt
+    zeros = np.zeros((rows, len(JOINTS)))
+    base = np.zeros((rows, 7))
+    base[:, 0], base[:, 6] = -0.5 * 9.81 * time**2, 1.0
+    velocity = np.zeros((rows, 6))
+    velocity[:, 0] = -9.81 * time
+    log = replace(made_up_log(rows * DT, {}), time=time, control_dt=dt, base_pose=base)
+    log = replace(log, q=zeros, v=zeros, base_velocity=velocity)
+    model.update(log.configuration(0, model.joint_names), log.velocity(0, model.joint_names))
+    start = model.frame_position(model.frame_id("tool")).copy()
+    place = start + [0.2, 0.0, 0.0]
+    trace = ConstraintTrace()
+    for instant in time[:10]:
+        trace.append(float(instant), threatened(place.tolist(), [0.0, 0.0, 0.0]))
+    wall = Obstacle("wall", "tool", 0.2, (-1.0, 0.0, 0.0), (Sighting(0.0, tuple(place)),))
+    history = obstacle_distance(trace.series(), wall, log, model, 0.1)
+    np.testing.assert_allclose(history.actual, 0.2 + 0.5 * 9.81 * time[:10] ** 2)
+    later = time[:10] + 0.1
+    np.testing.assert_allclose(history.predicted, 0.2 + 0.5 * 9.81 * later**2, rtol=1e-6)
 
 
 def test_a_series_is_what_was_reported_and_survives_its_file(tmp_path: Path) -> None:

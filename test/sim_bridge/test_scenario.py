@@ -237,9 +237,25 @@ def test_the_obstacle_generator_waits_for_the_sensor_of_the_scene(tmp_path: Path
 def test_events_are_the_jumps_of_what_is_scripted() -> None:
     force = load_scenario("force_bound_step")
     assert [event.time for event in force.events] == list(force.contact_schedules[0].times[1:])
-    jumps = load_scenario("obstacle_jump")
-    track = load_scene(jumps.scene).obstacles[0].track
-    assert [event.time for event in jumps.events] == [sighting.time for sighting in track[1:]]
+    for name in ("obstacle_jump", "table_obstacle"):
+        jumps = load_scenario(name)
+        track = load_scene(jumps.scene).obstacles[0].track
+        assert [event.time for event in jumps.events] == [sighting.time for sighting in track[1:]]
+
+
+def test_the_object_jumps_five_centimetres_into_the_safe_distance_of_the_hand() -> None:
+    """Thesis, section 4.5: d_s = 0.06 m and d_v = 0.05 m, where the hand is at that moment."""
+    scenario = load_scenario("table_obstacle")
+    (obstacle,) = load_scene(scenario.scene).obstacles
+    hand = next(r for r in scenario.references if r.task == "left_hand").lemniscate
+    assert hand is not None and max(hand.along) == 0.04
+    sighting = obstacle.track[1]
+    assert sighting.position is not None
+    gap = np.array(hand.point(sighting.time).position) - sighting.position
+    assert obstacle.safe_distance == 0.06
+    assert obstacle.safe_distance - gap @ np.array(obstacle.normal) == pytest.approx(
+        0.05, abs=1e-4
+    )
 
 
 def test_generators_of_a_scenario_without_any_are_refused(tmp_path: Path) -> None:
