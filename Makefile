@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench soak paper lint format lock clean distclean
+.PHONY: help setup demo run test bench soak paper campaign lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
@@ -42,6 +42,10 @@ run: setup ## one scenario: SCENARIO=name and the options below
 
 paper: setup ## every experiment of paper and thesis, docs/results.md and docs/mpc_studies.md
 	@$(RUN) ghc_sim_bridge paper $(ARGS)
+
+campaign: setup ## seeded disturbances of the humanoid's scenarios: how many runs stay up (long)
+	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages stand_up
+	@$(RUN) ghc_sim_bridge campaign $(ARGS)
 
 bench: setup ## time per control step and per plan, round trips per second
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/run.py $(ARGS)

@@ -75,8 +75,8 @@ def standing_section(rows: Sequence[dict[str, Any]]) -> str:
     return (
         f"## {TITLE}\n\n"
         "Floating base and eight contact points with friction pyramids: a QP at every step.\n"
-        "States of a closed loop in MuJoCo, hands on the move; model terms included. Tasks, in strict\n"
-        f"order: {', '.join(TASKS)};\nwith fewer of them the first ones and the posture. Median "
+        "States of a closed loop in MuJoCo, hands on the move; model terms included. Tasks, in\n"
+        f"strict order: {', '.join(TASKS)};\nwith fewer of them the first ones and the posture. Median "
         "(p99) in microseconds. The paper states\n88 ms for five tasks at 32 DoF, in C++.\n\n"
         + standing_table(rows)
         + "\n"

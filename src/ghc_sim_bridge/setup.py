@@ -24,6 +24,7 @@ setup(
             "experiment = ghc_sim_bridge.experiment:main",
             "recorder = ghc_sim_bridge.recorder_node:main",
             "viewer = ghc_sim_bridge.viewer_node:main",
+            "campaign = ghc_sim_bridge.campaign:main",
             "paper = ghc_sim_bridge.paper:main",
             "picture = ghc_sim_bridge.picture:main",
         ]

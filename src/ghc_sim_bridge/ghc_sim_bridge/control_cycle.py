@@ -50,6 +50,9 @@ class ControlCycle:
     def _observe(self) -> None:
         self.state: RobotState = self.simulator.state()
         self.time_ns = self.simulator.tick * self.period_ns  # [ns] since the last reset
+        q, v = self.joint_state
+        # Once a state: a state that is repeated on the wire is the same.
+        self.measured: tuple[Array, Array] = (q, self.simulator.measured_velocity(v))
 
     @property
     def joint_state(self) -> tuple[Array, Array]:

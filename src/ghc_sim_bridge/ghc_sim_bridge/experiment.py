@@ -19,7 +19,7 @@ from ghc_sim_bridge.run_plan import (
     make_plan,
     parse_parameter,
 )
-from ghc_sim_bridge.scenario import load_scenario, scenario_names
+from ghc_sim_bridge.scenario import Scenario, load_scenario, scenario_names
 
 # Choice -> whether generators smooth, run by run; without one first, None where there are none.
 _SIDES: Mapping[str | None, tuple[bool | None, ...]] = {
@@ -58,7 +58,7 @@ def _run(options: argparse.Namespace) -> int:
                     replace(run_options, generators=side),
                     options.output,
                 )
-                for side in sides
+                for side in _sides_of(load_scenario(options.scenario, name), sides)
             ]
             for name in names
         ]
@@ -67,10 +67,20 @@ def _run(options: argparse.Namespace) -> int:
         return 2
     done = [_report(sides_of_one) for sides_of_one in plans]
     if len(plans) > 1 and all(done):
-        from ghc_sim_bridge.report import compare_variants
+        if first.watched_joints:
+            from ghc_sim_bridge.ways_comparison import compare_ways
 
-        compare_variants([sides_of_one[-1] for sides_of_one in plans])
+            compare_ways([plan for sides_of_one in plans for plan in sides_of_one])
+        else:
+            from ghc_sim_bridge.report import compare_variants
+
+            compare_variants([sides_of_one[-1] for sides_of_one in plans])
     return int(not all(done))
+
+
+def _sides_of(scenario: Scenario, sides: tuple[bool | None, ...]) -> tuple[bool | None, ...]:
+    """Without generators alone, where the scenario has another way to be smooth."""
+    return (False,) if scenario.raw_bounds_only else sides
 
 
 def _report(plans: Sequence[RunPlan]) -> bool:

@@ -37,6 +37,24 @@ class BridgeParameters:
     lossless: bool = parameter(
         False, "publish so that a reliable reader gets every message: slow readers slow the run"
     )
+    disturbance_seed: int = parameter(
+        -1, "draws the disturbances below, in the simulator only; -1 = none"
+    )
+    disturbance_mass: float = parameter(
+        0.05, "[-] each link's mass by a factor of 1 -+ this", not_negative
+    )
+    disturbance_friction_lower: float = parameter(
+        0.6, "[-] friction of all contacts, drawn between; 0 = the scene's", not_negative
+    )
+    disturbance_friction_upper: float = parameter(1.0, "[-]", not_negative)
+    disturbance_push: float = parameter(20.0, "[N] horizontal push, any direction", not_negative)
+    disturbance_push_frame: str = parameter("", "frame that is pushed; empty = no push")
+    disturbance_push_duration: float = parameter(0.1, "[s]", not_negative)
+    disturbance_push_from: float = parameter(0.0, "[s] the push begins after", not_negative)
+    disturbance_push_until: float = parameter(0.0, "[s] the push begins before", not_negative)
+    disturbance_velocity_noise: float = parameter(
+        0.001, "[rad/s] standard deviation on published joint velocities", not_negative
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ import yaml
 
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import FORMULATIONS
+from ghc_sim_bridge.keyframe_references import keyframe_references
 from ghc_sim_bridge.run_parameters import node_parameters
 from ghc_sim_bridge.scenario import NODES, Phase, Scenario
 
@@ -92,6 +93,7 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
     mode).
     """
     _check_options(options)
+    scenario = _with_keyframes(scenario)
     if options.generators is not None and not scenario.generators:
         raise InvalidValue(
             f"generators {'on' if options.generators else 'off'}: scenario '{scenario.name}' has "
@@ -119,6 +121,18 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
         changes=scenario.robot_changes,
     )
     return replace(plan, parameters=node_parameters(plan))
+
+
+def _with_keyframes(scenario: Scenario) -> Scenario:
+    """The scenario with the references that its postures mean."""
+    if scenario.keyframes is None:
+        return scenario
+    given = {reference.task for reference in scenario.references}
+    for task in scenario.keyframes.tasks:
+        if task in given:
+            raise InvalidValue(f"scenario '{scenario.name}': task '{task}' has two references")
+    found = keyframe_references(scenario.keyframes, scenario.robot, scenario.scene)
+    return replace(scenario, references=scenario.references + found, keyframes=None)
 
 
 def _check_options(options: RunOptions) -> None:

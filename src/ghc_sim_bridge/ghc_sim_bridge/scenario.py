@@ -23,6 +23,7 @@ from ghc_sim_bridge.generator_script import (
     read_generators,
     read_schedule,
 )
+from ghc_sim_bridge.keyframes import Keyframes, read_keyframes
 from ghc_sim_bridge.references import Reference, read_reference
 from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
@@ -63,6 +64,7 @@ class Scenario:
     transition: float  # [s] duration of each ramp
     torque_rate_limit: float  # [Nm/s] controller and bridge; 0 = off
     references: tuple[Reference, ...]
+    keyframes: Keyframes | None  # more references, as postures of the whole body
     phases: tuple[Phase, ...]
     parameters: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value
     formulation_parameters: Mapping[str, Mapping[str, Any]]  # formulation -> of the controller
@@ -70,6 +72,8 @@ class Scenario:
     generators: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value; empty = none
     contact_schedules: tuple[ScriptedSchedule, ...]  # for the generator of force bounds
     events: tuple[Event, ...]  # jumps whose cost is compared without and with generators
+    raw_bounds_only: bool  # a way of its own to be smooth: never run with generators on
+    watched_joints: tuple[str, ...]  # whose torques the comparison of ways looks at; empty = none
     paper: Mapping[str, Any]  # what the paper says, copied into the summary
     standing_height: float | None = (
         None  # [m] of a floating base at the end; None = as at the start
@@ -145,6 +149,7 @@ def _read_scenario(
         references=tuple(
             read_reference(task, references.section(task)) for task in references.names()
         ),
+        keyframes=_optional_keyframes(fields),
         phases=phases,
         parameters={node: dict(parameters.value(node)) for node in parameters.names()},
         formulation_parameters=_read_formulations(fields.section("formulation_parameters", {})),
@@ -152,6 +157,8 @@ def _read_scenario(
         generators=generators,
         contact_schedules=schedules,
         events=read_events(fields),
+        raw_bounds_only=_flag(fields, "raw_bounds_only"),
+        watched_joints=_names(fields, "watched_joints"),
         paper=dict(fields.value("paper", {})),
         standing_height=(
             fields.number("standing_height", minimum=0.0)
@@ -161,6 +168,24 @@ def _read_scenario(
     )
     fields.close()
     return scenario
+
+
+def _optional_keyframes(fields: Fields) -> Keyframes | None:
+    return read_keyframes(fields.section("keyframes")) if fields.has("keyframes") else None
+
+
+def _flag(fields: Fields, name: str) -> bool:
+    value = fields.value(name, False)
+    if not isinstance(value, bool):
+        raise fields.error(name, f"true or false is expected, {value!r} given")
+    return value
+
+
+def _names(fields: Fields, name: str) -> tuple[str, ...]:
+    value = fields.value(name, [])
+    if not isinstance(value, list) or not all(isinstance(entry, str) for entry in value):
+        raise fields.error(name, f"a list of names is expected, {value!r} given")
+    return tuple(value)
 
 
 def _read_formulations(fields: Fields) -> Mapping[str, Mapping[str, Any]]:

@@ -39,6 +39,7 @@ from ghc_controller.run_node import guarded, run_node
 from ghc_sim_bridge.bridge_diagnostics import EXPECTED, BridgeDiagnostics
 from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected, stamp_of
 from ghc_sim_bridge.control_cycle import NANOSECONDS, ControlCycle
+from ghc_sim_bridge.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.lockstep_mode import LockstepMode
 from ghc_sim_bridge.obstacle_sensor import ObstacleSensor
@@ -66,6 +67,24 @@ DELIVERY_TIMEOUT = Duration(seconds=3)  # wall, per topic, when stopped with `lo
 NEVER_NS = 1 << 62  # [ns] later than any simulated time
 
 
+def disturbances_of(p: BridgeParameters) -> Disturbances | None:
+    """The disturbances that the parameters ask for."""
+    if p.disturbance_seed < 0:
+        return None
+    magnitudes = Magnitudes(
+        mass=p.disturbance_mass,
+        friction_lower=p.disturbance_friction_lower,
+        friction_upper=p.disturbance_friction_upper,
+        push=p.disturbance_push if p.disturbance_push_frame else 0.0,
+        push_frame=p.disturbance_push_frame,
+        push_duration=p.disturbance_push_duration,
+        push_from=p.disturbance_push_from,
+        push_until=p.disturbance_push_until,
+        velocity_noise=p.disturbance_velocity_noise,
+    )
+    return Disturbances(magnitudes, p.disturbance_seed)
+
+
 class SimBridge:
     """Wires topics and services to the control cycle; no arithmetic here."""
 
@@ -80,7 +99,12 @@ class SimBridge:
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
         self._parameters = p = read_parameters(self.node, BridgeParameters)
         self.executor = p.executor
-        simulator = Simulator(p.scene, control_dt=p.control_dt, physics_dt=p.physics_dt)
+        simulator = Simulator(
+            p.scene,
+            control_dt=p.control_dt,
+            physics_dt=p.physics_dt,
+            disturbances=disturbances_of(p),
+        )
         wrenches = tuple(simulator.contact_wrenches())
         gate = TorqueGate(simulator.torque_limit, p.torque_rate_limit, p.control_dt)
         self._log = (

@@ -19,6 +19,7 @@ from ghc_controller.types import Dynamics, RobotState
 from ghc_sim_bridge.base_start import base_pose
 from ghc_sim_bridge.contact_sensors import ContactSensors
 from ghc_sim_bridge.coordinates import FixedBase, FloatingBase
+from ghc_sim_bridge.disturbances import Disturbances
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.hold import hold_torque
 from ghc_sim_bridge.joint_map import JointMap
@@ -49,6 +50,7 @@ class Simulator:
         control_dt: float = 1e-3,
         physics_dt: float = 1e-3,
         joint_names: Sequence[str] | None = None,
+        disturbances: Disturbances | None = None,
     ) -> None:
         """Load a scene and put the robot at its start.
 
@@ -57,6 +59,7 @@ class Simulator:
             control_dt: how long a torque is held, one `step` [s]; a multiple of physics_dt.
             physics_dt: step of the integrator [s].
             joint_names: joint order of the robot model; that of the URDF when not given.
+            disturbances: other masses and friction, and a push; none when not given.
 
         Raises:
             InvalidValue: the periods do not fit.
@@ -66,6 +69,9 @@ class Simulator:
         self.control_dt = control_dt
         self.scene = scene if isinstance(scene, SceneDescription) else load_scene(scene)
         self.model = build_model(self.scene, control_dt / self.substeps)
+        self._disturbances = disturbances
+        if disturbances is not None:
+            disturbances.change(self.model)
         self.data = mujoco.MjData(self.model)
         limits = read_limits(self.scene.urdf)
         joints = JointMap(
@@ -161,6 +167,8 @@ class Simulator:
         data.qfrc_applied[:] = self._coordinates.torque_to_simulator(applied)
         self._contacts.clear()
         for _ in range(self.substeps):
+            if self._disturbances is not None:
+                self._disturbances.push(model, data)
             mujoco.mj_step2(model, data)
             self._contacts.add(data, 1.0 / self.substeps)
             mujoco.mj_step1(model, data)
@@ -180,6 +188,12 @@ class Simulator:
             wrenches=self.contact_wrenches(),
             epoch=self.epoch,
         )
+
+    def measured_velocity(self, velocity: Array) -> Array:
+        """Joint velocities (na,) [rad/s] as sensors have them: fresh noise where there is any."""
+        if self._disturbances is None:
+            return velocity
+        return self._disturbances.measured(velocity)
 
     def contact_wrenches(self) -> Mapping[str, Array]:
         """Name -> (6,) force [N] and torque [Nm] of the surroundings on the robot at the

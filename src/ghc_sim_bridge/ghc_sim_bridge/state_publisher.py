@@ -60,6 +60,6 @@ class StatePublisher:
             self._observe(cycle)
         if self._odometry is not None and self._base is not None:
             self._odometry(self._base.encode(stamp, base.pose, base.velocity))
-        q, v = cycle.joint_state
+        q, v = cycle.measured
         self._joint_states(self._encoder.encode(stamp, q, v, cycle.simulator.torque))
         self._clock(encode_clock(stamp))
