@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
-from ghc_controller.errors import ConfigurationError
+from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robot_config import load_robot_config
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.robots import find_robot
@@ -34,6 +34,8 @@ from ghc_sim_bridge.obstacle_distance import obstacle_distance
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
 from ghc_sim_bridge.scene_values import Obstacle, Sighting
+from ghc_sim_bridge.ways_comparison import joint_rates, way_name, ways_data, ways_table
+from ghc_sim_bridge.ways_figure import ways_figure
 
 DT = 1e-3
 JOINTS = tuple(f"joint_{k}" for k in range(1, 8))
@@ -268,3 +270,32 @@ def test_other_pairs_are_compared_in_a_folder_of_their_own(tmp_path: Path) -> No
     plan = make_plan(load_scenario("force_bound_step"), options, tmp_path)
     assert comparison_folder(plan).name == "balanced-generators_both-dt_0.002s"
     assert comparison_folder(replace(plan, is_default=True)) == plan.folder.parent
+
+
+def test_watched_joints_have_their_own_peaks() -> None:
+    """The first joint steps by 2 Nm at 5 s and by 9 Nm outside of the window, no other moves."""
+    log = made_up_log(8.0, {0.5: 9.0, 5.0: 2.0})
+    rates = joint_rates(log, ["joint_1", "joint_2"], [(4.0, 6.0)])
+    assert rates.events == (pytest.approx(2.0 / DT),)
+    assert rates.run == pytest.approx(9.0 / DT)
+    assert joint_rates(log, ["joint_2"], [(4.0, 6.0)]).run == 0.0
+    with pytest.raises(UnknownName, match="nose"):
+        joint_rates(log, ["nose"], [])
+
+
+def test_ways_stand_beside_each_other_under_their_names(tmp_path: Path) -> None:
+    """Smoothed bounds step by a tenth of what raw ones do."""
+    runs = [made_up_run(tmp_path, "force_bound_step", s, 5.0 - 4.5 * s) for s in (False, True)]
+    plan = runs[0].analysis.plan
+    watching = replace(plan, scenario=replace(plan.scenario, watched_joints=("joint_1",)))
+    runs[0] = replace(runs[0], analysis=replace(runs[0].analysis, plan=watching))
+    ways = {way_name(run.analysis.plan): run for run in runs}
+    assert list(ways) == ["raw bounds", "smoothed bounds"]
+    data = ways_data(ways)
+    for name, peak in (("raw bounds", 5000.0), ("smoothed bounds", 500.0)):
+        way = data["ways"][name]
+        assert way["watched_peak_nm_per_s"]["events"] == pytest.approx([peak] * 4)
+        assert way["peak_nm_per_s"]["run"] == pytest.approx(peak)
+    assert "@ 1 ms" in ways_table(data)
+    save_png(ways_figure(ways), tmp_path / "ways.png")
+    assert (tmp_path / "ways.png").stat().st_size > 10_000

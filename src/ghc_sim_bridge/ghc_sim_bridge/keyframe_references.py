@@ -17,16 +17,15 @@ from ghc_controller.robot_model import RobotModel
 from ghc_controller.robots import find_robot
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import RobotState
-from ghc_sim_bridge.base_start import base_pose
 from ghc_sim_bridge.keyframes import JointMotion, Keyframes, joint_motion
+from ghc_sim_bridge.posture_motion import configuration
 from ghc_sim_bridge.references import Reference, ReferencePoint
 from ghc_sim_bridge.scene_description import load_scene
-from ghc_sim_bridge.scene_values import BaseStart, SceneDescription
+from ghc_sim_bridge.scene_values import SceneDescription
 
 Array = NDArray[np.float64]
 
 _BASE = 6  # velocity coordinates of a floating base
-_AT_ORIGIN = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 _SLIP = 1e-3  # [m] that the other frames of `stand_on` may move as seen from the first one
 
 
@@ -80,33 +79,23 @@ def _point(task: Task, model: RobotModel, state: RobotState, a: Array) -> Refere
 def _whole_motion(
     config: RobotConfig, scene: SceneDescription, joints: JointMotion
 ) -> tuple[Array, Array, Array, Array]:
-    """q (nq,), v (nv,), a (nv,), and origins (frames, 3) [m] of what it stands on, base axes."""
+    """q (nq,), v (nv,), a (nv,), and origins (frames, 3) [m] of what it stands on as seen
+    from the first of them."""
     if scene.base is None:
         return joints.position, joints.velocity, joints.acceleration, np.zeros((0, 3))
     model = config.model
-    model.update(np.concatenate([_AT_ORIGIN, joints.position]), np.zeros(model.nv))
-    places = _places(model, scene.base)
-    pose = base_pose(scene.base, places)
-    q = np.concatenate([pose, joints.position])
-    first = model.frame_id(scene.base.stand_on[0])
-    model.update(q, np.zeros(model.nv))
+    q = configuration(model, scene.base, joints.position)
+    frames = [model.frame_id(name) for name in scene.base.stand_on]
+    first = frames[0]
+    turn, origin = model.frame_rotation(first).T, model.frame_position(first)
+    seen = np.array([turn @ (model.frame_position(frame) - origin) for frame in frames])
     jacobian = model.frame_jacobian(first).copy()
     on_base, on_joints = jacobian[:, :_BASE], jacobian[:, _BASE:]
     v = np.concatenate([-np.linalg.solve(on_base, on_joints @ joints.velocity), joints.velocity])
     model.update(q, v)
     change = on_joints @ joints.acceleration + model.frame_drift(first)
     a = np.concatenate([-np.linalg.solve(on_base, change), joints.acceleration])
-    turn = places[scene.base.stand_on[0]]
-    seen = [turn[1].T @ (places[name][0] - turn[0]) for name in scene.base.stand_on]
-    return q, v, a, np.array(seen)
-
-
-def _places(model: RobotModel, base: BaseStart) -> dict[str, tuple[Array, Array]]:
-    frames = {name: model.frame_id(name) for name in base.stand_on}
-    return {
-        name: (model.frame_position(frame).copy(), model.frame_rotation(frame).copy())
-        for name, frame in frames.items()
-    }
+    return q, v, a, seen
 
 
 def _check_footing(footing: Sequence[Array], scene: SceneDescription, time: float) -> None:

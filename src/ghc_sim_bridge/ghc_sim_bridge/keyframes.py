@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_sim_bridge.posture_motion import minimum_jerk
 from ghc_sim_bridge.yaml_fields import Fields
 
 Array = NDArray[np.float64]
@@ -73,7 +74,7 @@ def joint_motion(
     s = (t - times[segment - 1]) / span
     way = after - before
     return JointMotion(
-        before + way * (s**3 * (10.0 - 15.0 * s + 6.0 * s**2)),
+        before + way * minimum_jerk(s),
         way * (30.0 * s**2 * (1.0 - s) ** 2 / span),
         way * (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / span**2),
     )

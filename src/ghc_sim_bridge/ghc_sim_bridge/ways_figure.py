@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,8 +25,8 @@ def ways_figure(ways: Mapping[str, GeneratorAnalysis]) -> Figure:
         axes = figure.subplots(3, len(ways), sharex=True, sharey="row", squeeze=False)
         for column, (title, run) in enumerate(ways.items()):
             _draw_force(axes[0, column], run)
-            _draw_torques(axes[1, column], run)
-            _draw_rates(axes[2, column], run, span)
+            _draw_torques(axes[1, column], run, plan.scenario.watched_joints)
+            _draw_rates(axes[2, column], run, plan.scenario.watched_joints, span)
             axes[0, column].set_title(title)
             axes[2, column].set_xlabel("time [s]")
             for ax in axes[:, column]:
@@ -58,16 +58,18 @@ def _draw_force(ax: Axes, run: GeneratorAnalysis) -> None:
     ax.plot(time, values[:, UPPER], color=colour(1), ls="--", lw=1.0, label="upper bound")
 
 
-def _draw_torques(ax: Axes, run: GeneratorAnalysis) -> None:
+def _draw_torques(ax: Axes, run: GeneratorAnalysis, joints: Sequence[str]) -> None:
     log = run.analysis.log
-    for k, name in enumerate(run.analysis.plan.scenario.watched_joints):
+    for k, name in enumerate(joints):
         torque = log.torque[:, log.joint_names.index(name)]
         ax.plot(log.time, torque, color=colour(k), ls="-" if k == 0 else "--", label=name)
 
 
-def _draw_rates(ax: Axes, run: GeneratorAnalysis, span: tuple[float, float]) -> None:
+def _draw_rates(
+    ax: Axes, run: GeneratorAnalysis, joints: Sequence[str], span: tuple[float, float]
+) -> None:
     log = run.analysis.log
-    for k, name in enumerate(run.analysis.plan.scenario.watched_joints):
+    for k, name in enumerate(joints):
         rate = np.diff(log.torque[:, log.joint_names.index(name)]) / log.control_dt
         ax.plot(log.time[1:], rate, color=colour(k), ls="-" if k == 0 else "--", lw=0.9)
         if k == 0:
