@@ -27,7 +27,7 @@ class RunVerdict:
     height: float = math.nan  # [m] of the base at the end
     tilt: float = math.nan  # [rad] of the base's z axis against the vertical at the end
     peak_torque_rate: float = math.nan  # [Nm/s] of any joint, at the control period
-    problem: str = ""  # why there was nothing to judge
+    problem: str = ""  # what else went wrong: a node that did not end in order, no log to judge
 
 
 @dataclass(frozen=True, slots=True)
