@@ -25,6 +25,8 @@ from ghc_sim_bridge.generator_script import (
 )
 from ghc_sim_bridge.keyframes import Keyframes, read_keyframes
 from ghc_sim_bridge.references import Reference, read_reference
+from ghc_sim_bridge.walk import walk_events, walk_references, walk_schedules
+from ghc_sim_bridge.walk_fields import read_walk
 from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
 NODES = ("sim_bridge", "controller", "recorder", "viewer", *GENERATORS)
@@ -119,7 +121,8 @@ def load_scenario(name: str, variant: str = "") -> Scenario:
 def _read_scenario(
     fields: Fields, file: Path, variant: str, variants: tuple[str, ...]
 ) -> Scenario:
-    references = fields.section("references", {})
+    scripted = fields.section("references", {})
+    references = tuple(read_reference(task, scripted.section(task)) for task in scripted.names())
     hold = fields.number("hold", 8.0, minimum=0.0)
     phases = tuple(_read_phase(item, hold) for item in fields.items("phases"))
     if not phases:
@@ -130,6 +133,12 @@ def _read_scenario(
             raise parameters.error(node, f"unknown node; known: {', '.join(NODES)}")
     generators = read_generators(fields.section("generators", {}))
     schedules = tuple(read_schedule(item) for item in fields.items("contact_schedules", ()))
+    events = read_events(fields)
+    if fields.has("walk"):
+        walk = read_walk(fields.section("walk"))
+        references = (*references, *walk_references(walk))
+        schedules = (*schedules, *walk_schedules(walk))
+        events = tuple(sorted((*events, *walk_events(walk)), key=lambda event: event.time))
     if schedules and "contact_force_bounds" not in generators:
         raise fields.error(
             "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
@@ -146,9 +155,7 @@ def _read_scenario(
         control_dt=fields.number("control_dt", 1e-3, minimum=1e-6),
         transition=fields.number("transition", 2.0, minimum=0.0),
         torque_rate_limit=fields.number("torque_rate_limit", minimum=0.0),
-        references=tuple(
-            read_reference(task, references.section(task)) for task in references.names()
-        ),
+        references=references,
         keyframes=_optional_keyframes(fields),
         phases=phases,
         parameters={node: dict(parameters.value(node)) for node in parameters.names()},
@@ -156,7 +163,7 @@ def _read_scenario(
         robot_changes=dict(fields.value("robot_changes", {})),
         generators=generators,
         contact_schedules=schedules,
-        events=read_events(fields),
+        events=events,
         raw_bounds_only=_flag(fields, "raw_bounds_only"),
         watched_joints=_names(fields, "watched_joints"),
         paper=dict(fields.value("paper", {})),
