@@ -78,9 +78,7 @@ def standing_section(rows: Sequence[dict[str, Any]]) -> str:
         "States of a closed loop in MuJoCo, hands on the move; model terms included. Tasks, in\n"
         f"strict order: {', '.join(TASKS)};\nwith fewer of them the first ones and the "
         "posture. Median (p99) in microseconds. The paper states\n88 ms for five tasks at 32 DoF, "
-        "in C++.\n\n"
-        + standing_table(rows)
-        + "\n"
+        "in C++.\n\n" + standing_table(rows) + "\n"
     )
 
 

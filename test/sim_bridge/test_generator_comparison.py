@@ -276,7 +276,7 @@ def test_watched_joints_have_their_own_peaks() -> None:
     """The first joint steps by 2 Nm at 5 s and by 9 Nm outside of the window, no other moves."""
     log = made_up_log(8.0, {0.5: 9.0, 5.0: 2.0})
     rates = joint_rates(log, ["joint_1", "joint_2"], [(4.0, 6.0)])
-    assert rates.events == (pytest.approx(2.0 / DT),)
+    assert rates.events == pytest.approx((2.0 / DT,))
     assert rates.run == pytest.approx(9.0 / DT)
     assert joint_rates(log, ["joint_2"], [(4.0, 6.0)]).run == 0.0
     with pytest.raises(UnknownName, match="nose"):

@@ -69,8 +69,7 @@ class RobotModel:
         self._gravity: Array | None = None
         self._com_is_current = False
         self._zero = np.zeros(self.nv)
-        data = self._data
-        self._com_views = (data.com[0], data.vcom[0], data.acom[0])
+        self._com_views = (self._data.com[0], self._data.vcom[0], self._data.acom[0])
         self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
         self.dynamics = self._free_dynamics = self.update(self.q, self.v)
 
@@ -121,9 +120,6 @@ class RobotModel:
         self._frames.compute()
         self._gravity = None
         self._com_is_current = False
-        self._zero = np.zeros(self.nv)
-        data = self._data
-        self._com_views = (data.com[0], data.vcom[0], data.acom[0])
         self._exerted.clear()
         self._free_dynamics = self.dynamics = Dynamics(mass_matrix, bias)
         return self.dynamics
