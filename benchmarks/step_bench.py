@@ -40,7 +40,7 @@ class Effort:
         return self.segments * self.length * self.rounds
 
 
-FULL = Effort(segments=8, length=30, rounds=8)
+FULL = Effort(segments=8, length=30, rounds=4)
 QUICK = Effort(segments=2, length=10, rounds=1)
 
 
