@@ -12,11 +12,9 @@ from bridge_client import BridgeClient
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 
-from ghc_controller.errors import ConfigurationError
 from ghc_controller.ros_conversions import base_from_message
 from ghc_sim_bridge.full_rate_log import FullRateLog, Source
 from ghc_sim_bridge.ros_conversions import CONTROL_SUBSCRIBER_QOS, nanoseconds_from_time
-from ghc_sim_bridge.scene_description import load_scene
 from ghc_sim_bridge.simulator import Simulator
 
 SCENE = "icub_standing"
@@ -25,11 +23,7 @@ StartBridge = Callable[..., Any]
 
 @pytest.fixture
 def start_bridge(start_node: Callable[..., Any]) -> StartBridge:
-    """Start the bridge with parameters given by keyword; skipped without the robot's model."""
-    try:
-        load_scene(SCENE)
-    except ConfigurationError as error:
-        pytest.skip(str(error))
+    """Start the bridge, parameters by keyword; `make test` installs the robot's model."""
 
     def start(**parameters: object) -> Any:
         pairs = ({"scene": SCENE} | parameters).items()

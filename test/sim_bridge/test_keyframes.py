@@ -15,7 +15,6 @@ from ghc_sim_bridge.keyframe_references import keyframe_references
 from ghc_sim_bridge.keyframes import Keyframe, Keyframes, joint_motion, read_keyframes
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
-from ghc_sim_bridge.scene_description import load_scene
 from ghc_sim_bridge.task_errors import reference_trajectory
 from ghc_sim_bridge.yaml_fields import Fields
 
@@ -72,11 +71,7 @@ def test_a_wrong_section_is_refused_with_its_place(section: object, problem: str
 
 @pytest.fixture
 def stand_up() -> Keyframes:
-    """The postures of the scenario; skipped without the robot's model."""
-    try:
-        load_scene("icub_seated")
-    except ConfigurationError as error:
-        pytest.skip(str(error))
+    """The postures of the scenario; `make test` installs the robot's model."""
     keyframes = load_scenario("stand_up").keyframes
     assert keyframes is not None
     return keyframes

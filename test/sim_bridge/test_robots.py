@@ -32,10 +32,7 @@ def test_an_unknown_robot_is_refused_with_the_names_that_exist(tmp_path: Path) -
 def test_robot_files_name_frames_and_joints_of_their_urdf(name: str) -> None:
     file = find_robot(name)
     robot = yaml.safe_load(file.read_text(encoding="utf-8"))
-    try:
-        urdf = find_urdf(robot["urdf"], file)
-    except ConfigurationError as error:
-        pytest.skip(str(error))
+    urdf = find_urdf(robot["urdf"], file)  # `make test` installs models that are packages
     model = pinocchio.buildModelFromUrdf(str(urdf))
     frames = {frame.name for frame in model.frames}
     for task in robot["tasks"]:

@@ -18,7 +18,7 @@ from ghc_controller.robots import find_robot
 from ghc_controller.urdf_source import find_urdf
 from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.experiment_client_node import ExperimentClient
-from ghc_sim_bridge.experiment_driver import ExperimentDriver
+from ghc_sim_bridge.experiment_driver_node import ExperimentDriver
 from ghc_sim_bridge.experiment_nodes import EXECUTABLES
 from ghc_sim_bridge.processes import NodeProcesses
 from ghc_sim_bridge.robot_changes import write_changed_robot
