@@ -18,7 +18,7 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from ghc_controller.robots import find_robot
-from ghc_sim_bridge.ros_conversions import (
+from ghc_controller.ros_conversions import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
     nanoseconds_from_time,

@@ -10,11 +10,15 @@ import numpy as np
 import pytest
 from bridge_client import BridgeClient
 from nav_msgs.msg import Odometry
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros_conversions import base_from_message
+from ghc_controller.ros_conversions import (
+    CONTROL_SUBSCRIBER_QOS,
+    base_from_bytes,
+    nanoseconds_from_time,
+)
 from ghc_sim_bridge.full_rate_log import FullRateLog, Source
-from ghc_sim_bridge.ros_conversions import CONTROL_SUBSCRIBER_QOS, nanoseconds_from_time
 from ghc_sim_bridge.simulator import Simulator
 
 SCENE = "icub_standing"
@@ -79,7 +83,7 @@ def test_every_state_has_the_odometry_of_its_base(
     assert effort == pytest.approx(twin.torque, abs=1e-9)  # what carries it at the start
     for _ in range(30):
         odometry = client.odometry_of(state)
-        pose, twist = np.split(base_from_message(odometry), [7])
+        pose, twist = np.split(base_from_bytes(serialize_message(odometry)), [7])
         here = twin.state()
         assert odometry.header.frame_id == state.header.frame_id == "0"
         assert odometry.child_frame_id == twin.base_frame
@@ -116,13 +120,13 @@ def test_a_reset_puts_the_base_back_in_the_next_epoch(
     state = client.connected_state()
     for _ in range(20):
         state = client.step(state, np.zeros(len(state.name)))  # it sinks
-    sunk = base_from_message(client.odometry_of(state))[:7]
+    sunk = base_from_bytes(serialize_message(client.odometry_of(state)))[:7]
     client.odometry.clear()
     assert client.reset() == "epoch 1"
     client.until(
         lambda: any(m.header.frame_id == "1" for m in client.odometry.values()), "the next epoch"
     )
-    pose, twist = np.split(base_from_message(client.odometry[0]), [7])
+    pose, twist = np.split(base_from_bytes(serialize_message(client.odometry[0])), [7])
     start = Simulator(SCENE).start
     assert np.abs(sunk - start[:7]).max() > 1e-4
     assert pose == pytest.approx(start[:7], abs=1e-9)

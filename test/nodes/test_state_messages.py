@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
@@ -11,20 +13,17 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros_conversions import base_from_message
-from ghc_sim_bridge.ros_conversions import (
+from ghc_controller.cdr import read_stamp
+from ghc_controller.errors import InvalidValue
+from ghc_controller.joint_state_cdr import JointStateDecoder, JointStateEncoder, JointStateLayout
+from ghc_controller.ros_conversions import (
+    base_from_bytes,
     nanoseconds_from_time,
+    read_joint_state,
     time_from_nanoseconds,
-    wrench_from_message,
+    wrench_from_bytes,
 )
-from ghc_sim_bridge.state_cdr import (
-    JointStateEncoder,
-    JointStateLayout,
-    OdometryEncoder,
-    WrenchEncoder,
-    encode_clock,
-    read_stamp,
-)
+from ghc_sim_bridge.state_cdr import OdometryEncoder, WrenchEncoder, encode_clock
 
 STAMPS = (0, 1, 999_999_999, 1_000_000_000, 12_345_678_901_234)  # [ns]
 
@@ -58,7 +57,7 @@ def test_joint_state_is_that_of_the_message_class(seed: int) -> None:
     for _ in range(3):
         numbers = [rng.normal(size=count) for _ in range(3)]
         stamp = int(rng.integers(0, 10**12))
-        written = encoder.encode(stamp, *numbers)
+        written = encoder.encode(stamp, numbers[2], *numbers[:2])
         assert _same_but_for_padding(written, _message(stamp, frame_id, names, numbers), layout)
         assert read_stamp(written) == stamp
 
@@ -95,7 +94,7 @@ def test_wrench_and_clock_survive_the_wire(stamp: int) -> None:
     message = deserialize_message(WrenchEncoder("world").encode(stamp, wrench), WrenchStamped)
     assert message.header.frame_id == "world"
     assert nanoseconds_from_time(message.header.stamp) == stamp
-    np.testing.assert_array_equal(wrench_from_message(message), wrench)
+    np.testing.assert_array_equal(wrench_from_bytes(serialize_message(message)), wrench)
     clock = deserialize_message(encode_clock(stamp), Clock)
     assert nanoseconds_from_time(clock.clock) == stamp
 
@@ -118,7 +117,60 @@ def test_odometry_survives_the_wire(frame_id: str, child: str) -> None:
         message = deserialize_message(encoder.encode(stamp, pose, twist), Odometry)
         assert (message.header.frame_id, message.child_frame_id) == (frame_id, child)
         assert nanoseconds_from_time(message.header.stamp) == stamp
-        assert base_from_message(message) == pytest.approx(np.concatenate([pose, twist]))
+        expected = pytest.approx(np.concatenate([pose, twist]))
+        assert base_from_bytes(serialize_message(message)) == expected
         assert not message.pose.covariance.any() and not message.twist.covariance.any()
         again = deserialize_message(serialize_message(message), Odometry)
         assert again == message
+
+
+def test_decoder_reads_what_the_message_class_says() -> None:
+    """Also where names, sizes or the epoch change from one message to the next."""
+    rng = np.random.default_rng(11)
+    decoder = JointStateDecoder(read_joint_state)
+    for k in range(40):
+        names = [f"joint_{i}" for i in range(3 + k // 10)]
+        numbers = [rng.normal(size=len(names) if k % 3 else 0), rng.normal(size=2)]
+        message = _message(k * 7_000_001, str(k // 4), names, [*numbers, np.ones(len(names))])
+        values = decoder.decode(bytes(serialize_message(message)))
+        assert (values.stamp_ns, values.frame_id) == (k * 7_000_001, str(k // 4))
+        assert list(values.name) == names
+        np.testing.assert_array_equal(values.position, numbers[0])
+        np.testing.assert_array_equal(values.velocity, numbers[1])
+        np.testing.assert_array_equal(values.effort, np.ones(len(names)))
+
+
+def test_names_are_the_same_object_until_they_change() -> None:
+    decoder = JointStateDecoder(read_joint_state)
+    encoder = JointStateEncoder(["a", "b"], "0", motion=False)
+    first, second = (decoder.decode(encoder.encode(t, np.full(2, t))) for t in (1, 2))
+    assert first.name is second.name
+    other = decoder.decode(JointStateEncoder(["a", "c"], "0").encode(3, np.zeros(2)))
+    assert other.name == ("a", "c")
+
+
+def _big_endian(strings: int, numbers: np.ndarray) -> bytes:
+    body = struct.pack(">iI", 1, 2)
+    for _ in range(strings):
+        body += bytes(-len(body) % 4) + struct.pack(">I", 5) + b"base\x00"
+    body += bytes(-len(body) % 8)
+    return b"\x00\x00\x00\x00" + body + numbers.astype(">f8").tobytes()
+
+
+def test_messages_in_the_other_byte_order_are_read() -> None:
+    wrench = np.arange(6.0) - 2.5
+    np.testing.assert_array_equal(wrench_from_bytes(_big_endian(1, wrench)), wrench)
+    numbers = np.zeros(7 + 36 + 6 + 36)
+    numbers[:7] = [1.0, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8]
+    numbers[43:49] = np.arange(6.0)
+    expected = np.concatenate([numbers[:7], np.arange(6.0)])
+    assert base_from_bytes(_big_endian(2, numbers)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("cut", [0, 3, 14, 40])
+def test_truncated_odometry_and_wrenches_are_refused(cut: int) -> None:
+    odometry = OdometryEncoder("0", "base").encode(0, np.eye(7)[6], np.zeros(6))
+    with pytest.raises(InvalidValue, match="no Odometry"):
+        base_from_bytes(odometry[:cut])
+    with pytest.raises(InvalidValue, match="no WrenchStamped"):
+        wrench_from_bytes(WrenchEncoder("world").encode(0, np.zeros(6))[:cut])

@@ -34,8 +34,14 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
+from ghc_controller.cdr import read_stamp
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.joint_state_cdr import (
+    JointStateDecoder,
+    JointStateEncoder,
+    JointStateValues,
+)
 from ghc_controller.joint_state_reader import JointStateReader
 from ghc_controller.node_parameters import read_parameters
 from ghc_controller.parameters import ControllerParameters
@@ -50,16 +56,16 @@ from ghc_controller.ros_conversions import (
     NANOSECONDS,
     RELIABLE_QOS,
     STREAM_QOS,
-    base_from_message,
+    base_from_bytes,
     controller_state_message,
     diagnostics_message,
     event_message,
     matrix_message,
-    nanoseconds_from_time,
+    read_joint_state,
     reference_from_message,
     status_message,
     transition_from_message,
-    wrench_from_message,
+    wrench_from_bytes,
 )
 from ghc_controller.run_node import guarded, run_node
 from ghc_controller.state_gate import StateGate, Verdict
@@ -85,14 +91,16 @@ class ControllerNode:
         self._controller.warm_up()
         self._reader = JointStateReader(self._controller.model.joint_names)
         base = (ODOMETRY,) if self._controller.model.floating_base else ()
-        self._gate: StateGate[JointState] = StateGate(
+        self._gate: StateGate[JointStateValues] = StateGate(
             base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
         )
         self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
         self._rejections = Rejections()
         self._early: list[Callable[[], None]] = []  # requests that came before the first state
         self._now: float | None = None  # [s] of the last state
-        self._command = JointState(name=list(self._controller.model.joint_names))
+        self._decoder = JointStateDecoder(read_joint_state)
+        self._encoder = self._make_encoder("")
+        self._command = b""  # serialized, of the last answered state
         self._state_period_ns = round(NANOSECONDS / p.state_rate)
         self._state_due_ns = 0
         self._shown_matrix: tuple[bytes, bool, int] | None = None
@@ -117,7 +125,11 @@ class ControllerNode:
             else None
         )
         node.create_subscription(
-            JointState, "joint_states", guarded(stop, self._on_state), CONTROL_SUBSCRIBER_QOS
+            JointState,
+            "joint_states",
+            guarded(stop, self._on_state),
+            CONTROL_SUBSCRIBER_QOS,
+            raw=True,
         )
         for name in p.wait_for_contacts:
             node.create_subscription(
@@ -125,10 +137,15 @@ class ControllerNode:
                 f"contacts/{name}",
                 guarded(stop, partial(self._on_wrench, name)),
                 CONTROL_SUBSCRIBER_QOS,
+                raw=True,
             )
         if self._controller.model.floating_base:
             node.create_subscription(
-                Odometry, ODOMETRY, guarded(stop, self._on_odometry), CONTROL_SUBSCRIBER_QOS
+                Odometry,
+                ODOMETRY,
+                guarded(stop, self._on_odometry),
+                CONTROL_SUBSCRIBER_QOS,
+                raw=True,
             )
         for name, kind in PLANS.items():
             take = guarded(stop, partial(self._plans.take, name))
@@ -146,40 +163,48 @@ class ControllerNode:
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
-    def _on_state(self, message: JointState) -> None:
-        stamp_ns, overdue_ns = _stamp_of(message), self._gate.waiting_ns
-        if overdue_ns is not None and stamp_ns > overdue_ns:
+    def _make_encoder(self, frame_id: str) -> JointStateEncoder:
+        return JointStateEncoder(self._controller.model.joint_names, frame_id, motion=False)
+
+    def _on_state(self, data: bytes) -> None:
+        try:
+            state = self._decoder.decode(data)
+        except ValueError as error:
+            self._reject("joint_states", str(error))
+            return
+        overdue_ns = self._gate.waiting_ns
+        if overdue_ns is not None and state.stamp_ns > overdue_ns:
             for name in self._gate.missing(overdue_ns):
                 self._reject(
                     f"{name}.stamp",
                     f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as joint_states has it",
                 )
-        self._handle(message, self._gate.state(message, stamp_ns, message.header.frame_id))
+        self._handle(state, self._gate.state(state, state.stamp_ns, state.frame_id))
 
-    def _on_odometry(self, message: Odometry) -> None:
+    def _on_odometry(self, data: bytes) -> None:
         try:
-            base = base_from_message(message)
+            base = base_from_bytes(data)
         except InvalidValue as error:
             self._reject(ODOMETRY, str(error))
             return
-        self._continue(self._gate.companion(ODOMETRY, _stamp_of(message), base))
+        self._continue(self._gate.companion(ODOMETRY, read_stamp(data), base))
 
     def _on_plan(self, name: str, stamp_ns: int, epoch: int) -> None:
         self._continue(self._gate.plan(name, stamp_ns, epoch))
 
-    def _continue(self, complete: tuple[JointState, Verdict] | None) -> None:
+    def _continue(self, complete: tuple[JointStateValues, Verdict] | None) -> None:
         if complete is not None:
             self._handle(*complete)
 
-    def _on_wrench(self, name: str, message: WrenchStamped) -> None:
+    def _on_wrench(self, name: str, data: bytes) -> None:
         try:
-            wrench = wrench_from_message(message)
+            wrench = wrench_from_bytes(data)
         except InvalidValue as error:
             self._reject(f"contacts/{name}", str(error))
             return
-        self._continue(self._gate.companion(name, _stamp_of(message), wrench))
+        self._continue(self._gate.companion(name, read_stamp(data), wrench))
 
-    def _handle(self, message: JointState, verdict: Verdict) -> None:
+    def _handle(self, values: JointStateValues, verdict: Verdict) -> None:
         if verdict is Verdict.REPEATED:
             self._commands.publish(self._command)
         elif verdict is Verdict.STALE:
@@ -187,20 +212,17 @@ class ControllerNode:
         elif verdict is Verdict.MALFORMED:
             self._reject(
                 "joint_states.frame_id",
-                f"'{message.header.frame_id}' given, an epoch such as '0' (or nothing) expected",
+                f"'{values.frame_id}' given, an epoch such as '0' (or nothing) expected",
             )
         elif verdict in (Verdict.NEW, Verdict.NEW_EPOCH):
-            self._answer(message, verdict is Verdict.NEW_EPOCH)
+            self._answer(values, verdict is Verdict.NEW_EPOCH)
 
-    def _answer(self, message: JointState, new_epoch: bool) -> None:
-        controller = self._controller
-        stamp_ns = _stamp_of(message)
-        values = self._gate.values
-        base = values.pop(ODOMETRY, None)
+    def _answer(self, values: JointStateValues, new_epoch: bool) -> None:
+        controller, stamp_ns = self._controller, values.stamp_ns
+        wrenches = self._gate.values
+        base = wrenches.pop(ODOMETRY, None)
         try:
-            state = self._reader.read(
-                message, stamp_ns / NANOSECONDS, self._gate.epoch, values, base
-            )
+            state = self._reader.read(values, self._gate.epoch, wrenches, base)
         except InvalidValue as error:
             self._gate.forget()
             self._reject(str(error).split(":")[0], str(error))
@@ -218,13 +240,13 @@ class ControllerNode:
                 request()
             self._early.clear()
         result = controller.step(state)
-        command = self._command
-        command.header = message.header  # stamp and epoch of the state answered
-        command.effort = result.torque.tolist()
-        self._commands.publish(command)
+        if values.frame_id != self._encoder.frame_id:
+            self._encoder = self._make_encoder(values.frame_id)
+        self._command = self._encoder.encode(stamp_ns, result.torque)
+        self._commands.publish(self._command)
         self._gate.answered(stamp_ns)
         if self._mirror is not None:
-            self._mirror.publish(Float64MultiArray(data=command.effort))
+            self._mirror.publish(Float64MultiArray(data=result.torque))
         for event in result.events:
             self._status.publish(event_message(event))
         if stamp_ns >= self._state_due_ns or result.status is StepStatus.FALLBACK:
@@ -330,10 +352,6 @@ class ControllerNode:
 
     def close(self) -> None:
         """Nothing to be written."""
-
-
-def _stamp_of(message: JointState | WrenchStamped | Odometry) -> int:
-    return nanoseconds_from_time(message.header.stamp)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,23 +1,15 @@
-"""Joint states by name, and the base: from messages to the robot model's own order."""
+"""Joint states by name, and the base: from values on the wire to the robot model's own order."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
 
 import numpy as np
 
+from ghc_controller.cdr import NANOSECONDS
 from ghc_controller.errors import InvalidValue
+from ghc_controller.joint_state_cdr import JointStateValues
 from ghc_controller.types import Array, RobotState
-
-
-class JointStateLike(Protocol):
-    """The fields of sensor_msgs/JointState."""
-
-    name: Sequence[str]
-    position: Sequence[float]
-    velocity: Sequence[float]
-    effort: Sequence[float]
 
 
 class JointStateReader:
@@ -29,18 +21,17 @@ class JointStateReader:
 
     def __init__(self, joint_names: Sequence[str]) -> None:
         self._joints = tuple(joint_names)
-        self._names: list[str] = []
+        self._names: tuple[str, ...] | None = None
         self._index = np.zeros(0, dtype=np.int64)
 
     def read(
         self,
-        message: JointStateLike,
-        time: float,
+        values: JointStateValues,
         epoch: int,
         wrenches: Mapping[str, Array],
         base: Array | None = None,
     ) -> RobotState:
-        """State of the robot at `time` [s].
+        """State of the robot at the stamp of `values`.
 
         Args:
             base: (13,) of a floating base: position, quaternion x, y, z, w, then linear and
@@ -50,33 +41,31 @@ class JointStateReader:
             InvalidValue: a joint is missing, a field has another size or an entry that is not
                 finite; names the field and the joint.
         """
-        if message.name != self._names:
-            self._look_up(message.name)
-        effort = self._field(message, "effort") if len(message.effort) else None
-        q, v = self._field(message, "position"), self._field(message, "velocity")
+        if values.name is not self._names:
+            self._look_up(values.name)
+        effort = self._field("effort", values.effort) if len(values.effort) else None
+        q, v = self._field("position", values.position), self._field("velocity", values.velocity)
         if base is not None:
             q, v = np.concatenate([base[:7], q]), np.concatenate([base[7:], v])
-        return RobotState(time, q, v, effort, wrenches, epoch)
+        return RobotState(values.stamp_ns / NANOSECONDS, q, v, effort, wrenches, epoch)
 
-    def _look_up(self, names: Sequence[str]) -> None:
-        given = list(names)
-        missing = [joint for joint in self._joints if joint not in given]
+    def _look_up(self, names: tuple[str, ...]) -> None:
+        missing = [joint for joint in self._joints if joint not in names]
         if missing:
             raise InvalidValue(
                 f"joint_states.name: {', '.join(missing)} missing; given: "
-                f"{', '.join(given) or 'none'}"
+                f"{', '.join(names) or 'none'}"
             )
-        self._index = np.array([given.index(joint) for joint in self._joints])
-        self._names = given
+        self._index = np.array([names.index(joint) for joint in self._joints])
+        self._names = names
 
-    def _field(self, message: JointStateLike, field: str) -> Array:
-        values = np.array(getattr(message, field), dtype=np.float64)
-        if values.shape[0] != len(self._names):
+    def _field(self, field: str, given: Array) -> Array:
+        if given.shape[0] != len(self._names or ()):
             raise InvalidValue(
-                f"joint_states.{field}: {values.shape[0]} entries given, "
-                f"{len(self._names)} expected (one per name)"
+                f"joint_states.{field}: {given.shape[0]} entries given, "
+                f"{len(self._names or ())} expected (one per name)"
             )
-        values = values[self._index]
+        values: Array = given[self._index]
         if not np.isfinite(values).all():
             bad = self._joints[int(np.argmin(np.isfinite(values)))]
             raise InvalidValue(f"joint_states.{field}: not a finite number at joint '{bad}'")

@@ -19,7 +19,10 @@ from ghc_msgs.msg import (
 )
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import JointState
 
+from ghc_controller.cdr import BYTE_ORDER, NANOSECONDS, numbers_behind_strings
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy import (
     PriorityMatrix as Priorities,
@@ -38,7 +41,7 @@ from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.tasks.task import UNIT_TOLERANCE, Task
 from ghc_controller.types import Array
 
-NANOSECONDS = 1_000_000_000  # in a second
+_POSE, _TWIST = slice(0, 7), slice(43, 49)  # of an Odometry's numbers; covariances between
 
 # Reliable on the publisher so that every reader matches; best effort on the control path, where
 # a message that is late is worth less than the next one.
@@ -69,32 +72,40 @@ def time_from_seconds(seconds: float) -> Time:
     return time_from_nanoseconds(round(seconds * NANOSECONDS))
 
 
-def wrench_from_message(message: WrenchStamped) -> Array:
-    """(6,) force [N] and torque [Nm] in the axes of the message.
+def read_joint_state(data: bytes) -> JointState:
+    """Message of its serialized bytes.
 
     Raises:
-        InvalidValue: an entry is not finite.
+        ValueError: the bytes are no JointState.
     """
-    force, torque = message.wrench.force, message.wrench.torque
-    wrench = np.array([force.x, force.y, force.z, torque.x, torque.y, torque.z])
+    try:
+        return deserialize_message(data, JointState)
+    except Exception as error:  # the middleware's own type, whatever it is
+        raise ValueError(f"not a JointState: {error}") from error
+
+
+def wrench_from_bytes(data: bytes) -> Array:
+    """(6,) force [N] and torque [Nm] of a serialized WrenchStamped, in the axes of the message.
+
+    Raises:
+        InvalidValue: an entry is not finite, or the bytes are no such message.
+    """
+    wrench = _numbers(data, WrenchStamped, 1, 6)
     if not np.isfinite(wrench).all():
         raise InvalidValue(f"wrench {wrench.tolist()} given, finite numbers expected")
     return wrench
 
 
-def base_from_message(message: Odometry) -> Array:
-    """(13,) position [m], unit quaternion x, y, z, w, linear and angular velocity, base axes.
+def base_from_bytes(data: bytes) -> Array:
+    """(13,) position [m], unit quaternion x, y, z, w, linear and angular velocity, base axes, of
+    a serialized Odometry.
 
     Raises:
-        InvalidValue: an entry is not finite, or the quaternion is not of unit length.
+        InvalidValue: an entry is not finite, the quaternion is not of unit length, or the bytes
+            are no such message.
     """
-    pose, twist = message.pose.pose, message.twist.twist
-    point, turn = pose.position, pose.orientation
-    base = np.array(
-        [point.x, point.y, point.z, turn.x, turn.y, turn.z, turn.w]
-        + [twist.linear.x, twist.linear.y, twist.linear.z]
-        + [twist.angular.x, twist.angular.y, twist.angular.z]
-    )
+    numbers = _numbers(data, Odometry, 2, _TWIST.stop)
+    base = np.concatenate([numbers[_POSE], numbers[_TWIST]])
     if not np.isfinite(base).all():
         raise InvalidValue(f"pose and twist {base.tolist()} given, finite numbers expected")
     length = float(np.linalg.norm(base[3:7]))
@@ -102,6 +113,16 @@ def base_from_message(message: Odometry) -> Array:
         raise InvalidValue(f"quaternion of length {length:g} given, a unit quaternion expected")
     base[3:7] /= length
     return base
+
+
+def _numbers(data: bytes, kind: type, strings: int, count: int) -> Array:
+    """Numbers of a serialized message of a `kind` that has them right behind its strings."""
+    try:
+        if not data.startswith(BYTE_ORDER):
+            data = bytes(serialize_message(deserialize_message(data, kind)))
+        return np.array(numbers_behind_strings(data, strings, count))
+    except Exception as error:  # the middleware's own type, whatever it is
+        raise InvalidValue(f"no {kind.__name__}: {error}") from error
 
 
 def transition_from_message(
@@ -276,13 +297,19 @@ def controller_state_message(
 
 
 def diagnostics_message(
-    stamp_ns: int, node_name: str, summary: str, warning: bool, values: Mapping[str, object]
+    stamp_ns: int,
+    node_name: str,
+    summary: str,
+    warning: bool,
+    values: Mapping[str, object],
+    hardware_id: str = "",
 ) -> DiagnosticArray:
     """One status with its values as text."""
     status = DiagnosticStatus(
         level=DiagnosticStatus.WARN if warning else DiagnosticStatus.OK,
         name=node_name,
         message=summary,
+        hardware_id=hardware_id,
         values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
     )
     message = DiagnosticArray(status=[status])

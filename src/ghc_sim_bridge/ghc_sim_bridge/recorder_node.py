@@ -22,6 +22,7 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
+from ghc_controller.cdr import read_stamp
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.node_parameters import read_parameters
 from ghc_controller.run_node import guarded, run_node
@@ -31,7 +32,6 @@ from ghc_sim_bridge.message_schema import message_schema
 from ghc_sim_bridge.parameters import RecorderParameters
 from ghc_sim_bridge.recording_timeline import RecordingTimeline
 from ghc_sim_bridge.ros_conversions import recording_qos
-from ghc_sim_bridge.state_cdr import read_stamp
 
 NODE_NAME = "recorder"
 DISCOVERY_PERIOD = 0.1  # [s] wall

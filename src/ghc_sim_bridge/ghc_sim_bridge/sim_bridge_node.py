@@ -35,9 +35,15 @@ from std_srvs.srv import SetBool, Trigger
 
 from ghc_controller.node_parameters import read_parameters
 from ghc_controller.rejections import Rejections
+from ghc_controller.ros_conversions import (
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    diagnostics_message,
+    read_joint_state,
+)
 from ghc_controller.run_node import guarded, run_node
 from ghc_sim_bridge.bridge_diagnostics import EXPECTED, BridgeDiagnostics
-from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected, stamp_of
+from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected
 from ghc_sim_bridge.control_cycle import NANOSECONDS, ControlCycle
 from ghc_sim_bridge.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.full_rate_log import FullRateLogBuffer
@@ -46,15 +52,7 @@ from ghc_sim_bridge.obstacle_sensor import ObstacleSensor
 from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.patient_publishing import patient
 from ghc_sim_bridge.realtime_mode import RealtimeMode
-from ghc_sim_bridge.ros_conversions import (
-    CLOCK_QOS,
-    CONTROL_PUBLISHER_QOS,
-    CONTROL_SUBSCRIBER_QOS,
-    LOSSLESS_PUBLISHER_QOS,
-    diagnostics_message,
-    obstacles_message,
-    read_joint_state,
-)
+from ghc_sim_bridge.ros_conversions import CLOCK_QOS, LOSSLESS_PUBLISHER_QOS, obstacles_message
 from ghc_sim_bridge.run_mode import RunMode
 from ghc_sim_bridge.simulator import Simulator
 from ghc_sim_bridge.state_publisher import WORLD_FRAME, Observe, Publish, StatePublisher
@@ -197,8 +195,7 @@ class SimBridge:
 
     def _on_command(self, data: bytes) -> None:
         try:
-            stamp_ns = stamp_of(data)
-            torque = self._decoder.decode(data, self._cycle.epoch)
+            stamp_ns, torque = self._decoder.decode(data, self._cycle.epoch)
         except CommandRejected as error:
             self._refusal = str(error)
             self._reject(error.field, self._refusal)
@@ -247,7 +244,12 @@ class SimBridge:
         health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
             diagnostics_message(
-                self._cycle.time_ns, NODE_NAME, health.summary, health.warning, health.values
+                self._cycle.time_ns,
+                NODE_NAME,
+                health.summary,
+                health.warning,
+                health.values,
+                hardware_id="simulation",
             )
         )
 

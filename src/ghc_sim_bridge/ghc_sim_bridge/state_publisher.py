@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ghc_controller.joint_state_cdr import JointStateEncoder
 from ghc_sim_bridge.control_cycle import ControlCycle
 from ghc_sim_bridge.state_cdr import (
-    JointStateEncoder,
     OdometryEncoder,
     WrenchEncoder,
     encode_clock,
@@ -61,5 +61,5 @@ class StatePublisher:
         if self._odometry is not None and self._base is not None:
             self._odometry(self._base.encode(stamp, base.pose, base.velocity))
         q, v = cycle.measured
-        self._joint_states(self._encoder.encode(stamp, q, v, cycle.simulator.torque))
+        self._joint_states(self._encoder.encode(stamp, cycle.simulator.torque, q, v))
         self._clock(encode_clock(stamp))

@@ -19,16 +19,17 @@ from rclpy.serialization import deserialize_message
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
+from ghc_controller.cdr import read_stamp
 from ghc_controller.node_parameters import read_parameters
 from ghc_controller.robots import find_robot
+from ghc_controller.ros_conversions import CONTROL_SUBSCRIBER_QOS
 from ghc_controller.run_node import guarded, run_node
 from ghc_sim_bridge.live_view import LiveView
 from ghc_sim_bridge.parameters import ViewerParameters
 from ghc_sim_bridge.rerun_layout import new_recording
 from ghc_sim_bridge.rerun_recording import position_tasks
-from ghc_sim_bridge.ros_conversions import CONTROL_SUBSCRIBER_QOS, pose_of
+from ghc_sim_bridge.ros_conversions import pose_of
 from ghc_sim_bridge.scene_description import load_scene
-from ghc_sim_bridge.state_cdr import read_stamp
 from ghc_sim_bridge.viewer_process import ViewerProcess, has_screen, start_viewer
 
 NODE_NAME = "viewer"

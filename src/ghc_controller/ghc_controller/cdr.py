@@ -1,0 +1,106 @@
+"""Serialized messages written and read in place: what stays the same is laid out once.
+
+Plain CDR in native byte order. Alignment counts from behind the four bytes of encapsulation, and
+every message here begins with a stamp.
+"""
+
+from __future__ import annotations
+
+import struct
+import sys
+
+import numpy as np
+
+from ghc_controller.types import Array
+
+ENCAPSULATION_SIZE = 4  # [bytes]
+STAMP_END = ENCAPSULATION_SIZE + 8  # [bytes] sec (int32) and nanosec (uint32) stand before it
+NANOSECONDS = 1_000_000_000  # [ns/s]
+BYTE_ORDER = b"\x00\x01" if sys.byteorder == "little" else b"\x00\x00"
+ENCAPSULATION = BYTE_ORDER + b"\x00\x00"  # the options behind the byte order mean nothing here
+
+_STAMP = struct.Struct("=iI")
+_LENGTH = struct.Struct("=I")
+
+
+def read_stamp(data: bytes | bytearray) -> int:
+    """Stamp [ns] of a serialized message that begins with one."""
+    seconds, nanoseconds = _STAMP.unpack_from(data, ENCAPSULATION_SIZE)
+    return int(seconds) * NANOSECONDS + int(nanoseconds)
+
+
+def write_stamp(buffer: bytearray, stamp_ns: int) -> None:
+    """Put `stamp_ns` [ns] into a serialized message that begins with a stamp."""
+    _STAMP.pack_into(buffer, ENCAPSULATION_SIZE, *divmod(stamp_ns, NANOSECONDS))
+
+
+def number_view(data: bytes | bytearray, count: int, start: int) -> Array:
+    """The `count` float64 from `start` [bytes] on; writes through where `data` can be written."""
+    return np.frombuffer(data, np.float64, count, start) if count else np.empty(0)
+
+
+def numbers_behind_strings(data: bytes, strings: int, count: int) -> Array:
+    """The first `count` float64 of a message that begins with a stamp and `strings` strings.
+
+    Raises:
+        ValueError: the message is shorter than that, or in another byte order.
+    """
+    if not data.startswith(BYTE_ORDER):
+        raise ValueError(f"encapsulation {data[:2].hex()} given, {BYTE_ORDER.hex()} expected")
+    end = STAMP_END
+    try:
+        for _ in range(strings):
+            begin = end + -end % 4
+            end = begin + 4 + _LENGTH.unpack_from(data, begin)[0]
+    except struct.error as error:
+        raise ValueError(f"{len(data)} bytes are too few: {error}") from error
+    return number_view(data, count, end + (ENCAPSULATION_SIZE - end) % 8)
+
+
+class CdrBody:
+    """Bytes of a message behind its encapsulation, with zeros where numbers will stand."""
+
+    def __init__(self) -> None:
+        """Begin with the room of a stamp."""
+        self._body = bytearray(STAMP_END - ENCAPSULATION_SIZE)
+        self._pieces: list[tuple[int, int]] = []  # [bytes] begin and end of what is written
+
+    def append_length(self, length: int) -> None:
+        """Add the length of the sequence that follows."""
+        self._align(4)
+        self._write(_LENGTH.pack(length))
+
+    def append_string(self, text: str) -> None:
+        """Add a string with its length and closing zero."""
+        encoded = text.encode() + b"\x00"
+        self.append_length(len(encoded))
+        self._write(encoded)
+
+    def append_numbers(self, count: int) -> int:
+        """Add room for `count` float64; where it begins [bytes] in the whole message."""
+        if count:
+            self._align(8)
+        start = len(self._body) + ENCAPSULATION_SIZE
+        self._body.extend(bytes(8 * count))
+        return start
+
+    def _align(self, size: int) -> None:
+        self._body.extend(bytes(-len(self._body) % size))
+
+    def _write(self, data: bytes) -> None:
+        start = len(self._body)
+        self._body.extend(data)
+        if self._pieces and self._pieces[-1][1] == start:
+            start = self._pieces.pop()[0]
+        self._pieces.append((start, len(self._body)))
+
+    def message(self) -> bytearray:
+        """The whole message."""
+        return bytearray(ENCAPSULATION) + self._body
+
+    def fixed_pieces(self) -> tuple[tuple[int, bytes], ...]:
+        """(begin, bytes) of all but stamp, numbers and padding: the latter is never cleared."""
+        return ((0, BYTE_ORDER),) + tuple(
+            (start + ENCAPSULATION_SIZE, bytes(self._body[start:end]))
+            for start, end in self._pieces
+        )
