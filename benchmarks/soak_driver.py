@@ -11,7 +11,7 @@ import numpy as np
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 from ghc_controller.errors import GhcError
 from ghc_controller.plan_conversions import PLAN_QOS
@@ -21,14 +21,14 @@ from ghc_controller.ros_conversions import (
     time_from_nanoseconds,
 )
 
-STEP_NS = 10_000_000  # [ns] T: states at 100 Hz
+STEP_NS = 10_000_000  # [ns] T: ticks at 100 Hz
 CHANGE_EVERY = 10  # ticks
 _DEADLINE = 60.0  # [s] wall, for one plan; the first one may wait for compilers
 _REPEAT = 0.1  # [s] wall until a state is sent again
 
 
 class Driver(ABC):
-    """Publishes states and inputs, waits for the plan of each tick."""
+    """Publishes ticks and inputs, waits for the plan of each tick."""
 
     generator: str  # executable, and name of the node
     plan: type[Any]  # message
@@ -41,9 +41,7 @@ class Driver(ABC):
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
         self._rng = np.random.default_rng(0)
-        self._states = self.node.create_publisher(
-            JointState, "joint_states", CONTROL_PUBLISHER_QOS
-        )
+        self._ticks = self.node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
         self._newest_ns = -1
         self._handled = 0  # contacts or obstacles of the newest plan
         self.node.create_subscription(self.plan, self.topic, self._on_plan, PLAN_QOS)
@@ -62,15 +60,13 @@ class Driver(ABC):
         return self._handled
 
     def tick(self, number: int, check: Callable[[], None]) -> None:
-        """Publish the state of a tick, and wait for its plan; `check` looks after the node.
+        """Publish a tick, and wait for its plan; `check` looks after the node.
 
         Raises:
             GhcError: none came, or what `check` raises.
         """
         stamp_ns = number * STEP_NS
-        message = JointState(name=["joint"], position=[0.0], velocity=[0.0], effort=[0.0])
-        message.header.stamp = time_from_nanoseconds(stamp_ns)
-        message.header.frame_id = "0"
+        message = Header(stamp=time_from_nanoseconds(stamp_ns), frame_id="0")
         deadline, again = time.monotonic() + _DEADLINE, 0.0
         while self._newest_ns < stamp_ns:
             now = time.monotonic()
@@ -80,7 +76,7 @@ class Driver(ABC):
                 check()
                 if number % CHANGE_EVERY == 0:
                     self.change(stamp_ns)
-                self._states.publish(message)
+                self._ticks.publish(message)
                 again = now + _REPEAT
             self._executor.spin_once(timeout_sec=0.02)
         self.plans += 1

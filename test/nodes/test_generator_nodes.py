@@ -19,7 +19,7 @@ from ghc_msgs.msg import (
 )
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 from ghc_controller.plan_conversions import (
     PLAN_QOS,
@@ -58,7 +58,7 @@ class Surroundings:
         self.diagnostics: dict[str, str] = {}
         self.epoch = "0"
         create, listen = self.node.create_publisher, self.node.create_subscription
-        self.states = create(JointState, "joint_states", CONTROL_PUBLISHER_QOS)
+        self.ticks = create(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
         self.schedules = create(ContactSchedule, "constraints/contact_schedule", SCHEDULE_QOS)
         self.sensor = create(ObstacleStateArray, "constraints/obstacles", SENSOR_PUBLISHER_QOS)
         self.controller = create(ControllerState, "ghc/controller_state", STREAM_QOS)
@@ -90,22 +90,19 @@ class Surroundings:
         while time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.02)
 
-    def state(self, now: float) -> None:
-        """Publish one robot state."""
-        message = JointState(name=["joint"], position=[0.0], velocity=[0.0], effort=[0.0])
-        message.header.stamp = time_from_seconds(now)
-        message.header.frame_id = self.epoch
-        self.states.publish(message)
+    def announce(self, now: float) -> None:
+        """Publish one tick as the controller does."""
+        self.ticks.publish(Header(stamp=time_from_seconds(now), frame_id=self.epoch))
 
     def tick(self, now: float, again: Callable[[], None] | None = None) -> Any:
-        """The plan for a state at a multiple of the step (repeated until it comes)."""
+        """The plan of a tick (announced again until it comes)."""
         count = len(self.plans)
         wanted = nanoseconds_from_time(time_from_seconds(now))
 
         def publish() -> None:
             if again is not None:
                 again()
-            self.state(now)
+            self.announce(now)
 
         def answered() -> bool:
             return any(
@@ -158,7 +155,7 @@ def start(world: Surroundings, start_node: Callable[..., Any]) -> Callable[..., 
         topic = world.schedules if executable == "contact_force_bounds" else world.sensor
         world.until(
             lambda: (
-                world.states.get_subscription_count() > 0
+                world.ticks.get_subscription_count() > 0
                 and topic.get_subscription_count() > 0
                 and world.controller.get_subscription_count() > 0
                 and world.node.count_publishers("constraints/contact_force_bounds")
@@ -180,7 +177,7 @@ def test_a_plan_for_every_tick_equal_to_the_library(world: Surroundings, start: 
     start("contact_force_bounds", horizon=0.5, lockstep="true")
     assert world.tick(0.0).contacts == []
     world.schedule([0.0, 0.3], [50.0, 0.0])
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
     generator = Generator(ForceBoundSettings(horizon=0.5))
     generator.set_schedule(_foot([1e-9, 0.3 + 1e-9], [50.0, 0.0]), 0.0)
     for k in range(40):
@@ -192,21 +189,21 @@ def test_a_plan_for_every_tick_equal_to_the_library(world: Surroundings, start: 
         assert plan.valid_until == pytest.approx(k * STEP + 0.5)
 
 
-def test_a_repeated_state_gets_the_same_plan_and_others_none(
+def test_a_repeated_tick_gets_the_same_plan_and_others_none(
     world: Surroundings, start: Any
 ) -> None:
     start("contact_force_bounds", horizon=0.5)
     world.schedule([0.0, 0.3], [50.0, 20.0])
     world.tick(0.0)
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
     first = world.tick(0.01)
     world.spin(0.3)
     count = len(world.plans)
-    world.state(0.015)
+    world.announce(0.015)
     world.spin(0.3)
     assert len(world.plans) == count
     assert world.tick(0.01) == first
-    world.state(0.037)  # the tick of 0.03 was missed: it is made up for
+    world.announce(0.037)  # the tick of 0.03 was missed: it is made up for
     world.until(lambda: nanoseconds_from_time(world.plans[-1].header.stamp) == 30_000_000)
     world.epoch = "1"  # the robot starts again
     assert world.tick(0.0).upper[0] == 50.0
@@ -228,7 +225,7 @@ def test_bad_schedules_are_refused_and_the_plan_stays(world: Surroundings, start
     node = start("contact_force_bounds", horizon=0.5, lockstep="true", contacts="[foot]")
     world.tick(0.0)
     world.schedule([0.0], [37.0])
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
     world.tick(0.05)
     for number, (fields, reason) in enumerate(BAD):
         world.spin(1.05)  # at most one warning a second
@@ -249,7 +246,7 @@ def test_a_schedule_is_used_from_the_time_at_which_it_is_known(
     world.tick(0.0)
     world.schedule([0.0], [40.0])
     world.schedule([0.3], [10.0], known_from=time_from_seconds(0.1))
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.state(0.0))
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
     last = [world.tick(k * STEP).upper[-1] for k in range(12)]
     assert last[:10] == [40.0] * 10
     assert last[10:] == [10.0] * 2
@@ -297,7 +294,7 @@ def test_smoothing_off_passes_through(world: Surroundings, start: Any, executor:
 def test_obstacles_from_sensor_to_motion(world: Surroundings, start: Any) -> None:
     """One array a tick, empty ones too; ticks of the sensor wait for it; it comes and goes."""
     start("obstacle_bounds", sensor_period=0.1, horizon=0.5, max_velocity=1.0)
-    world.state(0.0)
+    world.announce(0.0)
     world.spin(0.3)
     assert world.plans == []
     assert world.tick(0.0, lambda: world.sense(0.0)).obstacles == []

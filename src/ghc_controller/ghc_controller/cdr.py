@@ -104,3 +104,12 @@ class CdrBody:
             (start + ENCAPSULATION_SIZE, bytes(self._body[start:end]))
             for start, end in self._pieces
         )
+
+
+def encode_header(stamp_ns: int, frame_id: str) -> bytes:
+    """Serialized std_msgs/Header of `stamp_ns` [ns]."""
+    body = CdrBody()
+    body.append_string(frame_id)
+    data = body.message()
+    write_stamp(data, stamp_ns)
+    return bytes(data)

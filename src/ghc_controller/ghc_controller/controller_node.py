@@ -2,7 +2,8 @@
 
 Publishes  joint_commands (stamp = the state answered, effort [Nm] by joint name),
            ghc/transition_status, ghc/priority_matrix (latched), ghc/controller_state,
-           /diagnostics, and with mirror_commands /effort_controller/commands (ros2_control).
+           ghc/tick (start and epoch of the generators' next tick), /diagnostics, and with
+           mirror_commands /effort_controller/commands (ros2_control).
 Subscribes joint_states (frame_id = epoch, effort = torque applied over the last period),
            ghc/priority_transition, ghc/task_reference, constraints/contact_force_bounds,
            constraints/obstacle_motion, contacts/<name> where it has to wait for them, odom for a
@@ -32,9 +33,9 @@ from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, Header
 
-from ghc_controller.cdr import read_stamp
+from ghc_controller.cdr import encode_header, read_stamp
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.joint_state_cdr import (
@@ -69,6 +70,7 @@ from ghc_controller.ros_conversions import (
 )
 from ghc_controller.run_node import guarded, run_node
 from ghc_controller.state_gate import StateGate, Verdict
+from ghc_controller.tick_announcer import TickAnnouncer
 
 NODE_NAME = "controller"
 ODOMETRY = "odom"
@@ -94,6 +96,9 @@ class ControllerNode:
         self._gate: StateGate[JointStateValues] = StateGate(
             base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
         )
+        self._announcer = TickAnnouncer(
+            round(p.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
+        )
         self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
         self._rejections = Rejections()
         self._early: list[Callable[[], None]] = []  # requests that came before the first state
@@ -118,6 +123,7 @@ class ControllerNode:
         )
         self._matrix = node.create_publisher(PriorityMatrix, "ghc/priority_matrix", LATCHED_QOS)
         self._state = node.create_publisher(ControllerState, "ghc/controller_state", STREAM_QOS)
+        self._ticks = node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._mirror = (
             node.create_publisher(Float64MultiArray, "/effort_controller/commands", 1)
@@ -179,7 +185,14 @@ class ControllerNode:
                     f"{name}.stamp",
                     f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as joint_states has it",
                 )
-        self._handle(state, self._gate.state(state, state.stamp_ns, state.frame_id))
+        verdict = self._gate.state(state, state.stamp_ns, state.frame_id)
+        if verdict not in (Verdict.STALE, Verdict.MALFORMED):
+            self._announce(self._announcer.on_state(state.stamp_ns, self._gate.epoch))
+        self._handle(state, verdict)
+
+    def _announce(self, tick_ns: int | None) -> None:
+        if tick_ns is not None:
+            self._ticks.publish(encode_header(tick_ns, str(self._gate.epoch)))
 
     def _on_odometry(self, data: bytes) -> None:
         try:
@@ -245,6 +258,7 @@ class ControllerNode:
         self._command = self._encoder.encode(stamp_ns, result.torque)
         self._commands.publish(self._command)
         self._gate.answered(stamp_ns)
+        self._announce(self._announcer.on_answer(stamp_ns, self._gate.epoch))
         if self._mirror is not None:
             self._mirror.publish(Float64MultiArray(data=result.torque))
         for event in result.events:

@@ -1,8 +1,8 @@
 """Contact force bounds behind ROS topics: schedules in, a plan of moving bounds out each tick.
 
-Publishes  constraints/contact_force_bounds (stamp = state of the tick, frame_id = its epoch),
+Publishes  constraints/contact_force_bounds (stamp = the tick, frame_id = its epoch),
            /diagnostics.
-Subscribes joint_states (stamp and epoch only), constraints/contact_schedule (latched, one message
+Subscribes ghc/tick (when to plan), constraints/contact_schedule (latched, one message
            a contact), ghc/controller_state (bounds in force, before the first plan).
 Parameters see ForceBoundParameters.
 """
@@ -94,7 +94,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         return {**counts, **more}, trouble
 
     def _on_schedule(self, message: ContactSchedule) -> None:
-        self.after_first_state(partial(self._take_schedule, message))
+        self.after_first_tick(partial(self._take_schedule, message))
 
     def _take_schedule(self, message: ContactSchedule) -> None:
         now = self.clock.now_ns / NANOSECONDS

@@ -1,4 +1,4 @@
-"""What both generator nodes share: ticks by the stamps of states, repeats, taking over."""
+"""What both generator nodes share: the controller's ticks, repeats, taking over."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
-from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.node_parameters import read_parameters
@@ -36,7 +36,9 @@ DIAGNOSTICS_PERIOD = 1.0  # [s] wall
 
 
 class GeneratorNode(ABC, Generic[P]):
-    """Plans once a tick, answers a repeated state of a tick with the same plan.
+    """Plans once a tick, answers a repeated tick with the same plan.
+
+    The controller announces ticks on ghc/tick, ahead of the states that need their plans.
 
     A generator that starts while the robot's time is running goes on from the bounds in force,
     which the controller's state carries; it waits for that message, but not for long.
@@ -55,10 +57,10 @@ class GeneratorNode(ABC, Generic[P]):
         self.rejections = Rejections()
         self._name = name
         self._stop = stop
-        self._early: list[Callable[[], None]] = []  # what came before the first state
+        self._early: list[Callable[[], None]] = []  # what came before the first tick
         self._in_force: bytes | None = None  # the newest controller_state, until the first plan
         self._waiting_since: float | None = None  # [s] wall
-        self._held_back_ns: int | None = None  # state [ns] whose tick waits for an input
+        self._held_back_ns: int | None = None  # tick [ns] that waits for an input
         self._started = False  # a plan has been made
         self._tick_time = 0.0  # [s] wall, longest since the last diagnostics
 
@@ -90,10 +92,10 @@ class GeneratorNode(ABC, Generic[P]):
         return True
 
     def start(self) -> None:
-        """Listen to states, publish diagnostics."""
+        """Listen to ticks, publish diagnostics."""
         self._diagnostics = self.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.listen(ControllerState, "ghc/controller_state", self._on_controller, STREAM_QOS, True)
-        self.listen(JointState, "joint_states", self._on_state, CONTROL_SUBSCRIBER_QOS, True)
+        self.listen(Header, "ghc/tick", self._on_tick, CONTROL_SUBSCRIBER_QOS, True)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         self.node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
@@ -108,7 +110,7 @@ class GeneratorNode(ABC, Generic[P]):
         """Subscribe; errors of the stack end the node in order."""
         self.node.create_subscription(kind, topic, guarded(self._stop, handle), qos, raw=raw)
 
-    def after_first_state(self, handle: Callable[[], None], newest_only: bool = False) -> None:
+    def after_first_tick(self, handle: Callable[[], None], newest_only: bool = False) -> None:
         """Do it now, or as soon as the robot's time is known."""
         if self.clock.now_ns < 0:
             if newest_only:
@@ -135,11 +137,11 @@ class GeneratorNode(ABC, Generic[P]):
         if not self._started:
             self._in_force = data
 
-    def _on_state(self, data: bytes) -> None:
+    def _on_tick(self, data: bytes) -> None:
         try:
             stamp_ns, epoch = header_of(data)
         except InvalidValue as error:
-            self.reject("joint_states", str(error))
+            self.reject("ghc/tick", str(error))
             return
         due = self.clock.judge(stamp_ns, epoch)
         if self.clock.new_epoch:
@@ -153,12 +155,12 @@ class GeneratorNode(ABC, Generic[P]):
         elif due is Due.PLAN:
             self._try_tick(stamp_ns)
         elif due is Due.STALE:
-            self.reject("joint_states.stamp", "older than the last tick, in the same epoch")
+            self.reject("ghc/tick.stamp", "older than the last tick, in the same epoch")
         elif due is Due.MALFORMED:
-            self.reject("joint_states.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
+            self.reject("ghc/tick.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
 
     def _try_tick(self, stamp_ns: int) -> None:
-        """Plan the tick of a state unless something is still to come."""
+        """Plan the tick of a stamp unless something is still to come."""
         start_ns = self.clock.start_of(stamp_ns)
         self._held_back_ns = stamp_ns
         if not self.ready(start_ns) or self._waits_to_take_over(start_ns):
@@ -184,7 +186,7 @@ class GeneratorNode(ABC, Generic[P]):
     def _publish_diagnostics(self) -> None:
         counts, trouble = self.report()
         refused = sum(self.rejections.counts.values())
-        summary = "ok" if self.clock.now_ns >= 0 else "waiting for joint_states"
+        summary = "ok" if self.clock.now_ns >= 0 else "waiting for ghc/tick"
         if trouble or refused:
             summary = f"{trouble} plans without a solution or inputs in doubt, {refused} refused"
         values: dict[str, object] = {"longest_tick_ms": round(1e3 * self._tick_time, 3)}

@@ -1,8 +1,8 @@
 """Obstacle motion behind ROS topics: measured positions in, plans of virtual motion out.
 
-Publishes  constraints/obstacle_motion (stamp = state of the tick, frame_id = its epoch; one array
+Publishes  constraints/obstacle_motion (stamp = the tick, frame_id = its epoch; one array
            a tick, even when empty), /diagnostics.
-Subscribes joint_states (stamp and epoch only), constraints/obstacles (all that the sensor sees, at
+Subscribes ghc/tick (when to plan), constraints/obstacles (all that the sensor sees, at
            its own rate), ghc/controller_state (motion in force, before the first plan).
 Parameters see ObstacleParameters.
 """
@@ -94,7 +94,7 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
         return {**counts, "second_opinions": self._generator.second_opinions}, trouble
 
     def _on_obstacles(self, message: ObstacleStateArray) -> None:
-        self.after_first_state(partial(self._take_obstacles, message), newest_only=True)
+        self.after_first_tick(partial(self._take_obstacles, message), newest_only=True)
 
     def _take_obstacles(self, message: ObstacleStateArray) -> None:
         """A bad entry is left out with a warning; if it was known, it stays where it was."""

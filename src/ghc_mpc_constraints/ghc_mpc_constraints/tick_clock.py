@@ -1,4 +1,4 @@
-"""When a generator plans: on the states whose stamps are multiples of its step."""
+"""When a generator plans: at stamps that are multiples of its step."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from enum import Enum
 
 
 class Due(Enum):
-    """What the state of a stamp asks of a generator."""
+    """What a stamp asks of a generator."""
 
     PLAN = "plan"  # a new tick
-    REPEAT = "repeat"  # the state of the last tick once more: the same plan again
+    REPEAT = "repeat"  # the last tick once more: the same plan again
     NOTHING = "nothing"  # between two ticks
     STALE = "stale"  # older than the last tick, in the same epoch
     MALFORMED = "malformed"  # the epoch is no number
 
 
 class TickClock:
-    """Tells ticks from other states; time runs backwards only with a new epoch.
+    """Tells ticks from other stamps; time runs backwards only with a new epoch.
 
-    A tick that was missed is made up for at the next state: its plan starts at the multiple of
-    the step at or before it, so that plans do not depend on which state was seen.
+    A tick that was missed is made up for at the next stamp: its plan starts at the multiple of
+    the step at or before it, so that plans do not depend on which stamp was seen.
     """
 
     def __init__(self, step_ns: int) -> None:
@@ -42,7 +42,7 @@ class TickClock:
         return self._seen_ns
 
     def judge(self, stamp_ns: int, epoch: str) -> Due:
-        """What is due for a state; `new_epoch` says whether everything starts again with it."""
+        """What is due at a stamp; `new_epoch` says whether everything starts again with it."""
         self.new_epoch = False
         if epoch and not epoch.isdecimal():
             return Due.MALFORMED
@@ -65,7 +65,7 @@ class TickClock:
         return Due.REPEAT if self._repeatable else Due.PLAN
 
     def planned(self, stamp_ns: int) -> int:
-        """A plan for this state is published; returns the start of its tick [ns]."""
+        """A plan for this stamp is published; returns the start of its tick [ns]."""
         self._last_ns = stamp_ns - stamp_ns % self._step_ns
         self._repeatable = True
         return self._last_ns

@@ -44,14 +44,7 @@ class PlannedObstacle:
 
     def at(self, elapsed: float, step: float) -> Array:
         """State (3, 3) `elapsed` [s] after the start; after the plan it rests where that ends."""
-        whole = int(elapsed / step + 1e-6)
-        states = integrate(self.state, self.jerk[:whole], step)
-        if whole >= len(self.jerk):
-            rest = np.zeros((3, 3))
-            rest[0] = states[-1][0]
-            return rest if len(self.jerk) else self.state
-        part = max(elapsed - whole * step, 0.0)
-        return integrate(states[-1], self.jerk[whole : whole + 1], part)[-1]
+        return state_at(self.state, self.jerk, step, elapsed) if len(self.jerk) else self.state
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,14 +63,35 @@ class MotionPlan:
 
 
 @numba.njit(cache=True)
-def integrate(state: Array, jerk: Array, step: float) -> Array:
+def integrate(state: Array, jerk: Array, step: float) -> Array:  # pragma: no cover
     """States (N + 1, 3, 3) of three triple integrators under jerks (N, 3) held over steps."""
     states = np.empty((jerk.shape[0] + 1, 3, 3))
     states[0] = state
     for j in range(jerk.shape[0]):
-        for axis in range(3):
-            x, v, a, u = states[j, 0, axis], states[j, 1, axis], states[j, 2, axis], jerk[j, axis]
-            states[j + 1, 0, axis] = x + step * (v + step * (a / 2.0 + step * u / 6.0))
-            states[j + 1, 1, axis] = v + step * (a + step * u / 2.0)
-            states[j + 1, 2, axis] = a + step * u
+        states[j + 1] = states[j]
+        _advance(states[j + 1], jerk[j], step)
     return states
+
+
+@numba.njit(cache=True)
+def state_at(state: Array, jerk: Array, step: float, elapsed: float) -> Array:  # pragma: no cover
+    """State (3, 3) `elapsed` [s] after the first one; after the last step it rests."""
+    present = state.copy()
+    whole = int(elapsed / step + 1e-6)
+    for j in range(min(whole, jerk.shape[0])):
+        _advance(present, jerk[j], step)
+    if whole < jerk.shape[0]:
+        _advance(present, jerk[whole], max(elapsed - whole * step, 0.0))
+    else:
+        present[1:] = 0.0
+    return present
+
+
+@numba.njit(cache=True)
+def _advance(state: Array, jerk: Array, step: float) -> None:  # pragma: no cover
+    """Move a state (3, 3) on by `step` [s] under a jerk (3,)."""
+    for axis in range(3):
+        v, a, u = state[1, axis], state[2, axis], jerk[axis]
+        state[0, axis] += step * (v + step * (a / 2.0 + step * u / 6.0))
+        state[1, axis] += step * (a + step * u / 2.0)
+        state[2, axis] += step * u

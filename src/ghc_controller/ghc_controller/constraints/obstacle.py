@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from ghc_controller.constraints.motion_plan import MotionPlan, PlannedObstacle
 from ghc_controller.errors import InvalidValue
@@ -65,14 +66,40 @@ class ObstacleDistance:
         states = self.states(time)
         if not states:
             return None
-        dt = self._horizon
         matrix = np.empty((len(states), self._model.nv))
         lower = np.empty(len(states))
         for row, ((entry, state), frame_id) in enumerate(zip(states, self._frames, strict=True)):
-            frame, normal = self._model.frame(frame_id), entry.normal
-            matrix[row] = normal @ frame.jacobian[:3]
-            distance = normal @ (frame.position - state[0])
-            approach = normal @ (frame.velocity[:3] - state[1])
-            lower[row] = 2.0 / dt**2 * (entry.safe_distance - distance - approach * dt)
-            lower[row] += normal @ (state[2] - frame.drift[:3])
+            frame = self._model.frame(frame_id)
+            motion = (frame.jacobian, frame.position, frame.velocity, frame.drift)
+            lower[row] = distance_row(
+                *motion, entry.normal, state, entry.safe_distance, self._horizon, matrix[row]
+            )
         return AccelerationRows(matrix, lower, np.full(len(states), np.inf), self.names)
+
+
+@njit(cache=True)
+def distance_row(
+    jacobian: Array,
+    position: Array,
+    velocity: Array,
+    drift: Array,
+    normal: Array,
+    state: Array,
+    safe_distance: float,
+    dt: float,
+    row: Array,
+) -> float:  # pragma: no cover
+    """Write n . J to row (n,) and return its lower bound, as in ObstacleDistance.
+
+    jacobian (6, n), position (3,), velocity and drift (6,) of the frame; state (3, 3) of the
+    obstacle: position, velocity, acceleration.
+    """
+    row[:] = 0.0
+    gap, approach, drifting = safe_distance, 0.0, 0.0
+    for axis in range(3):
+        for c in range(row.shape[0]):
+            row[c] += normal[axis] * jacobian[axis, c]
+        gap -= normal[axis] * (position[axis] - state[0, axis])
+        approach += normal[axis] * (velocity[axis] - state[1, axis])
+        drifting += normal[axis] * (state[2, axis] - drift[axis])
+    return 2.0 / dt**2 * (gap - approach * dt) + drifting

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from numba import njit
 
 from ghc_controller.types import Array
 
@@ -51,11 +52,7 @@ class ForceBoundsPlan:
         place = min(max(float(place), 0.0), float(self.lower.shape[1] - 1))
         left = min(int(place), self.lower.shape[1] - 2)
         share = place - left
-        lower, upper = (
-            (1.0 - share) * values[:, left] + share * values[:, left + 1]
-            for values in (self.lower, self.upper)
-        )
-        return lower, upper
+        return _between(self.lower, left, share), _between(self.upper, left, share)
 
     @property
     def first_rates(self) -> tuple[Array, Array]:
@@ -64,3 +61,12 @@ class ForceBoundsPlan:
             (values[:, 1] - values[:, 0]) / self.step for values in (self.lower, self.upper)
         )
         return lower, upper
+
+
+@njit(cache=True)
+def _between(values: Array, left: int, share: float) -> Array:  # pragma: no cover
+    """Entries (c,) between the columns `left` and `left + 1` of values (c, N + 1)."""
+    result = np.empty(values.shape[0])
+    for k in range(values.shape[0]):
+        result[k] = (1.0 - share) * values[k, left] + share * values[k, left + 1]
+    return result

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ghc_controller.contacts.bounds_in_force import NormalBounds
 from ghc_controller.contacts.contact import Contact
@@ -27,7 +28,7 @@ _PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the 
 class _Layout:
     """What stays the same while the same contacts are on; q, c and r as in ContactRows."""
 
-    places: tuple[int, ...]  # of the contacts that are on
+    places: NDArray[np.intp]  # of the contacts that are on
     motion: tuple[slice, ...]  # their rows in q
     force: tuple[slice, ...]  # their entries in c
     force_matrix: Array  # (r, c)
@@ -35,6 +36,8 @@ class _Layout:
     upper: Array  # (r,)
     names: tuple[str, ...]  # (r,)
     normals: Array  # (contacts on, c) sums of their normal forces
+    free_center: Array  # (c,) force cost without a force task
+    free_factor: Array  # (c, c)
 
 
 class ContactSet:
@@ -90,9 +93,8 @@ class ContactSet:
                 point_motion(*motions, points, axes, _STOPPING_RATE, drift_target[motion])
         count = len(layout.places)
         lower, upper = layout.lower.copy(), layout.upper.copy()
-        lower[:count] = bounds.lower[list(layout.places)]
-        upper[:count] = np.maximum(bounds.upper[list(layout.places)], 0.0)
-        np.minimum(lower[:count], upper[:count], out=lower[:count])
+        upper[:count] = np.maximum(bounds.upper[layout.places], 0.0)
+        lower[:count] = np.minimum(bounds.lower[layout.places], upper[:count])
         center, factor = self._force_cost(layout, references, time)
         return ContactRows(
             jacobian,
@@ -112,7 +114,7 @@ class ContactSet:
         normal = np.zeros(len(self.contacts))
         layout = self._layouts.get(active)
         if layout is not None and force.shape[0]:
-            normal[list(layout.places)] = layout.normals @ force
+            normal[layout.places] = layout.normals @ force
         return normal
 
     def friction_use(self, active: tuple[bool, ...], force: Array) -> Array:
@@ -135,8 +137,7 @@ class ContactSet:
         self, layout: _Layout, references: ReferenceSchedule, time: float
     ) -> tuple[Array, Array]:
         """Centre (c,) and factor (c, c) of the cost on forces, as in ContactRows."""
-        c = layout.force[-1].stop
-        hessian, pull = _FORCE_WEIGHT * np.eye(c), np.zeros(c)
+        pulls = []  # (contact on, weight, force [N]) of each task
         for k, place in enumerate(layout.places):
             task = self.contacts[place].force_task
             if task is None:
@@ -144,15 +145,21 @@ class ContactSet:
             target = references.current(task.name, time)
             weight = task.weight * min(max(float(target.position[0]), 0.0), 1.0)
             if target.wrench is not None and weight > 0.0:
-                normal = layout.normals[k]
-                hessian += weight * np.outer(normal, normal)
-                pull += weight * target.wrench[0] * normal
+                pulls.append((k, weight, target.wrench[0]))
+        if not pulls:
+            return layout.free_center, layout.free_factor
+        c = layout.free_center.shape[0]
+        hessian, pull = _FORCE_WEIGHT * np.eye(c), np.zeros(c)
+        for k, weight, force in pulls:
+            normal = layout.normals[k]
+            hessian += weight * np.outer(normal, normal)
+            pull += weight * force * normal
         factor = inverse_factor(hessian)
         return factor @ (factor.T @ pull), factor
 
 
 def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
-    places = tuple(place for place, on in enumerate(active) if on)
+    places = np.flatnonzero(active)
     motion, force, names = [], [], []
     q = c = 0
     for place in places:
@@ -175,7 +182,16 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
     matrix = np.vstack([normals, *cones])
     lower, upper = np.full(matrix.shape[0], -np.inf), np.zeros(matrix.shape[0])
     return _Layout(
-        places, tuple(motion), tuple(force), matrix, lower, upper, tuple(names), normals
+        places,
+        tuple(motion),
+        tuple(force),
+        matrix,
+        lower,
+        upper,
+        tuple(names),
+        normals,
+        np.zeros(c),
+        np.eye(c) / np.sqrt(_FORCE_WEIGHT),
     )
 
 

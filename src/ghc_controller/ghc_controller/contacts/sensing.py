@@ -65,6 +65,7 @@ class ContactSensing:
     def __init__(self, contacts: tuple[Contact, ...], bounds: BoundsInForce) -> None:
         self._contacts = contacts
         self._bounds = bounds
+        self._is_used = any(contact.sensing is not None for contact in contacts)
         self.reset()
 
     def reset(self) -> None:
@@ -79,6 +80,8 @@ class ContactSensing:
         Args:
             wrenches: name -> (6,) of the surroundings on the robot, world axes.
         """
+        if not self._is_used:
+            return planned
         active, upper = list(planned.active), planned.upper
         for k, contact in enumerate(self._contacts):
             wrench = wrenches.get(contact.name)

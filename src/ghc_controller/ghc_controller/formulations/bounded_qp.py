@@ -11,7 +11,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from ghc_controller.formulations.box_kernels import box_answer, is_outside, torques_inside
+from ghc_controller.formulations.box_kernels import (
+    box_answer,
+    is_inside,
+    is_outside,
+    rows_inside,
+    torques_inside,
+)
 from ghc_controller.formulations.formulation import FormulationSettings, Solution, SolutionStatus
 from ghc_controller.formulations.problem import ContactRows
 from ghc_controller.formulations.qp_rows import Parametrization, SoftQp, build_qp, soften
@@ -33,10 +39,9 @@ def unbounded_answer(reduced: ReducedProblem, y: Array) -> Solution | None:
         return None
     if source.contacts is not None:
         return _unbounded_contact_answer(reduced, source.contacts, y)
-    if source.rows is not None:
-        value = source.rows.matrix @ y
-        if not ((source.rows.lower <= value) & (value <= source.rows.upper)).all():
-            return None
+    rows = source.rows
+    if rows is not None and not rows_inside(rows.matrix, y, rows.lower, rows.upper):
+        return None
     box, torque = source.acceleration, source.torque
     inside, tau = torques_inside(
         y, source.mass_matrix, source.bias, box.lower, box.upper, torque.lower, torque.upper
@@ -48,18 +53,14 @@ def _unbounded_contact_answer(
     reduced: ReducedProblem, contacts: ContactRows, y: Array
 ) -> Solution | None:
     source, force = reduced.source, contacts.force_center
-    x = reduced.accelerations(y)
-    tau = reduced.torque_offset + reduced.torque_matrix @ y + reduced.torque_force @ force
-    checks = [
-        (x, source.acceleration.lower, source.acceleration.upper),
-        (tau, source.torque.lower, source.torque.upper),
-        (contacts.force_matrix @ force, contacts.force_lower, contacts.force_upper),
-    ]
-    if source.rows is not None:
-        checks.append((source.rows.matrix @ x, source.rows.lower, source.rows.upper))
-    if any(is_outside(*check, 0.0) for check in checks):
+    if not rows_inside(contacts.force_matrix, force, contacts.force_lower, contacts.force_upper):
         return None
-    return Solution.unbounded(x, tau, force)
+    x, tau = reduced.answer(y, force)
+    rows, box, torque = source.rows, source.acceleration, source.torque
+    inside = is_inside(x, box.lower, box.upper) and is_inside(tau, torque.lower, torque.upper)
+    if rows is not None:
+        inside = inside and rows_inside(rows.matrix, x, rows.lower, rows.upper)
+    return Solution.unbounded(x, tau, force) if inside else None
 
 
 def solve_bounded(
@@ -141,8 +142,7 @@ def _accept(
     else:
         y = parametrization.acceleration + parametrization.acceleration_factor @ s
         force = parametrization.force + parametrization.force_factor @ s
-        x = reduced.accelerations(y)
-        tau = reduced.torque_offset + reduced.torque_matrix @ y + reduced.torque_force @ force
+        x, tau = reduced.answer(y, force)
         push = contacts.force_matrix @ force
         force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
     if source.rows is not None:

@@ -36,6 +36,27 @@ def is_inside(value: Array, lower: Array, upper: Array) -> bool:  # pragma: no c
 
 
 @njit(cache=True)
+def rows_inside(matrix: Array, x: Array, lower: Array, upper: Array) -> bool:  # pragma: no cover
+    """True where lower <= matrix x <= upper, of rows (r, d); False for NaN."""
+    return is_inside(affine(matrix, x, np.zeros(matrix.shape[0])), lower, upper)
+
+
+@njit(cache=True)
+def contact_answer(
+    y: Array,
+    force: Array,
+    offset: Array,
+    basis: Array,
+    torque_matrix: Array,
+    torque_offset: Array,
+    torque_force: Array,
+) -> tuple[Array, Array]:  # pragma: no cover
+    """Accelerations (n,) and torques (a,) of reduced accelerations y (d,) and forces (c,)."""
+    tau = affine(torque_force, force, affine(torque_matrix, y, torque_offset))
+    return affine(basis, y, offset), tau
+
+
+@njit(cache=True)
 def torques_inside(
     x: Array,
     matrix: Array,

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ghc_controller.formulations.box_kernels import contact_answer
 from ghc_controller.formulations.problem import ControlProblem
+from ghc_controller.formulations.reduction_kernels import null_motion_qr, reduced_terms
 from ghc_controller.types import Array
 
-FIXED = 1e-8  # [-] of a task row's length: what is left of one that a contact holds
 _RANK_TOLERANCE = 1e-9  # [-] of the largest singular value of the contacts' motion rows
 
 
@@ -38,6 +38,18 @@ class ReducedProblem(NamedTuple):
             return y
         return self.offset + self.basis @ y
 
+    def answer(self, y: Array, force: Array) -> tuple[Array, Array]:
+        """Accelerations (n,) and torques (a,) of y (d,) and contact forces (c,) in contact."""
+        return contact_answer(
+            y,
+            force,
+            self.offset,
+            self.basis,
+            self.torque_matrix,
+            self.torque_offset,
+            self.torque_force,
+        )
+
 
 def reduce_contacts(problem: ControlProblem) -> ReducedProblem:
     """Remove the accelerations that would break a contact (thesis, eq. 5.1).
@@ -62,12 +74,15 @@ def reduce_contacts(problem: ControlProblem) -> ReducedProblem:
             problem,
         )
     offset, basis = null_motion(contacts.jacobian, contacts.drift_target)
-    torque_matrix = problem.mass_matrix @ basis
-    torque_offset = problem.bias + problem.mass_matrix @ offset
-    force = -contacts.force_jacobian.T
-    jacobian = np.ascontiguousarray(problem.jacobian @ basis)
-    target = problem.target - problem.jacobian @ offset
-    clear_fixed_rows(problem.jacobian, jacobian, target)
+    jacobian, target, torque_matrix, torque_offset, force = reduced_terms(
+        problem.jacobian,
+        problem.target,
+        problem.mass_matrix,
+        problem.bias,
+        contacts.force_jacobian,
+        offset,
+        basis,
+    )
     return ReducedProblem(
         jacobian,
         target,
@@ -83,20 +98,6 @@ def reduce_contacts(problem: ControlProblem) -> ReducedProblem:
     )
 
 
-@njit(cache=True)
-def clear_fixed_rows(before: Array, jacobian: Array, target: Array) -> None:  # pragma: no cover
-    """Zero rows of which the contacts leave only rounding: noise is no direction to project on."""
-    for r in range(before.shape[0]):
-        whole, left = 0.0, 0.0
-        for c in range(before.shape[1]):
-            whole += before[r, c] * before[r, c]
-        for c in range(jacobian.shape[1]):
-            left += jacobian[r, c] * jacobian[r, c]
-        if left <= FIXED * FIXED * whole:
-            jacobian[r] = 0.0
-            target[r] = 0.0
-
-
 def null_motion(rows: Array, target: Array) -> tuple[Array, Array]:
     """Least x (n,) with rows x = target, and an orthonormal basis (n, d) of rows x = 0.
 
@@ -104,11 +105,9 @@ def null_motion(rows: Array, target: Array) -> tuple[Array, Array]:
     """
     q, n = rows.shape
     if q <= n:
-        full, triangle = np.linalg.qr(rows.T, mode="complete")
-        pivots = np.abs(np.diag(triangle))
-        if pivots.min(initial=np.inf) > 1e-4 * pivots.max(initial=0.0):
-            least = full[:, :q] @ np.linalg.solve(triangle[:q].T, target)
-            return least, np.ascontiguousarray(full[:, q:])
+        independent, least, basis = null_motion_qr(rows, target)
+        if independent:
+            return least, basis
     left, sigma, right = np.linalg.svd(rows, full_matrices=True)
     rank = int(np.sum(sigma > _RANK_TOLERANCE * max(float(sigma[0]), 1e-300)))
     least = right[:rank].T @ ((left[:, :rank].T @ target) / sigma[:rank])
