@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks import loop_generators
 from benchmarks.pace import Pace
 from ghc_controller.errors import GhcError
+from ghc_sim_bridge.cpu_placement import lockstep_placement
 from ghc_sim_bridge.experiment_nodes import EXECUTABLES
 from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.processes import NodeProcesses
@@ -86,11 +87,12 @@ def _cycle_times(folder: Path, case: LoopCase, duration: float) -> np.ndarray:
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     parameters = _parameters(folder, case, duration + _SETTLING * CONTROL_DT)
+    placement = lockstep_placement(parameters, domain.id)
     planner = loop_generators.published_schedule(domain.id, folder)
     try:
         with (
             planner if case.generators else nullcontext(),
-            NodeProcesses(folder, environment) as nodes,
+            NodeProcesses(folder, environment, placement) as nodes,
         ):
             for name, values in parameters.items():
                 nodes.start(name, *EXECUTABLES[name], _arguments(values))

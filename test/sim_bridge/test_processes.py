@@ -15,6 +15,7 @@ from ghc_controller.errors import ConfigurationError, GhcError, UnknownName
 from ghc_controller.robot_config import load_robot_config
 from ghc_controller.robots import find_robot
 from ghc_sim_bridge import processes
+from ghc_sim_bridge.cpu_placement import lockstep_placement
 from ghc_sim_bridge.processes import (
     NodeProcesses,
     ProcessFailure,
@@ -129,3 +130,25 @@ def test_wrong_changes_of_a_robot_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match="mapping of changes by name"):
         write_changed_robot(source, {"tasks": ["elbow"]}, target)
     assert yaml.safe_load(source.read_text(encoding="utf-8"))["urdf"] == "kuka_lwr.urdf"
+
+
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one CPU leaves no choice")
+def test_nodes_run_where_they_are_placed(nodes: NodeProcesses, tmp_path: Path) -> None:
+    names = ("sim_bridge", "controller", "recorder")
+    placement = lockstep_placement(names, 1)
+    placed = NodeProcesses(tmp_path, os.environ, placement)
+    for name in names:
+        start(placed, name, SLEEPER)
+    found = {name: os.sched_getaffinity(placed.pid_of(name)) for name in names}
+    placed.stop()
+    assert found == placement
+
+
+def test_nodes_that_take_turns_share_a_cpu_of_their_own() -> None:
+    names = ("sim_bridge", "controller", "recorder", "obstacle_bounds")
+    for number in range(5):
+        placement = lockstep_placement(names, number, (2, 5, 7))
+        shared = placement["sim_bridge"]
+        assert shared == placement["controller"] == {(2, 5, 7)[number % 3]}
+        assert placement["recorder"] == placement["obstacle_bounds"] == {2, 5, 7} - shared
+    assert lockstep_placement(names, 0, (3,)) == {}

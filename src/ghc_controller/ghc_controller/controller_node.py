@@ -244,7 +244,7 @@ class ControllerNode:
             controller.reset()
             self._plans.forget()
             self._state_due_ns = 0
-        self._plans.hand_over(self._gate.epoch)
+        self._plans.hand_over(self._gate.epoch, stamp_ns)
         first = self._now is None
         self._now = state.time
         if first:

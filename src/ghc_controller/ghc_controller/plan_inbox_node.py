@@ -22,13 +22,14 @@ from ghc_controller.ros_conversions import NANOSECONDS, nanoseconds_from_time
 FORCE_BOUNDS, OBSTACLE_MOTION = "contact_force_bounds", "obstacle_motion"
 PLANS: dict[str, type] = {FORCE_BOUNDS: ContactForceBounds, OBSTACLE_MOTION: ObstacleStateArray}
 
+_WAITING = 3  # plans of one generator that are kept; more only wait where ticks are ahead of time
 SILENCE = 0.1  # [s] of the robot's time; a generator plans every 10 ms
 
 Message: TypeAlias = "ContactForceBounds | ObstacleStateArray"
 
 
 class PlanInbox:
-    """Keeps the newest plan of each generator until a state of its epoch is answered.
+    """Keeps plans of each generator until a state at or after their start is answered.
 
     A plan that cannot be used is refused as a whole, and the one before stays in force.
     """
@@ -48,7 +49,7 @@ class PlanInbox:
         self._controller = controller
         self._received = received
         self._reject = reject
-        self._newest: dict[str, tuple[int, Message]] = {}
+        self._waiting: dict[str, list[tuple[int, int, Message]]] = {name: [] for name in PLANS}
         self._followed: dict[str, float] = {}  # name -> [s] stamp of the plan in force
         self._ends: dict[str, float] = {}  # name -> [s] end of the plan in force
 
@@ -58,15 +59,21 @@ class PlanInbox:
         if epoch and not epoch.isdecimal():
             self._reject(f"{topic}.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
             return
-        self._newest[name] = (int(epoch or 0), message)
-        self._received(name, nanoseconds_from_time(message.header.stamp), int(epoch or 0))
+        number, start_ns = int(epoch or 0), nanoseconds_from_time(message.header.stamp)
+        # Generators plan ahead: one plan may wait for its start and the next for a new epoch.
+        self._waiting[name] = [*self._waiting[name][1 - _WAITING :], (number, start_ns, message)]
+        self._received(name, start_ns, number)
 
-    def hand_over(self, epoch: int) -> None:
-        """Let the controller follow the plans of this epoch that came since the last state."""
-        for name in [name for name, (of, _) in self._newest.items() if of <= epoch]:
-            of, message = self._newest.pop(name)
-            if of != epoch:
+    def hand_over(self, epoch: int, now_ns: int) -> None:
+        """Let the controller follow the newest plans of this epoch that have begun at `now_ns`."""
+        for name, waiting in self._waiting.items():
+            if not waiting:
                 continue
+            begun = [plan for plan in waiting if plan[:2] <= (epoch, now_ns)]
+            self._waiting[name] = [plan for plan in waiting if plan[:2] > (epoch, now_ns)]
+            if not begun or begun[-1][0] != epoch:
+                continue
+            message = begun[-1][2]
             try:
                 self._follow(message)
             except GhcError as error:

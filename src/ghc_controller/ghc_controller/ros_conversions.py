@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -65,6 +66,11 @@ def time_from_nanoseconds(stamp_ns: int) -> Time:
 def nanoseconds_from_time(stamp: Time) -> int:
     """Stamp of a message in [ns]."""
     return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+
+
+def doubles(values: Array) -> array[float]:
+    """Entries in row-major order, as a message takes them without a look at each."""
+    return array("d", np.ascontiguousarray(values, dtype=np.float64).tobytes())
 
 
 def time_from_seconds(seconds: float) -> Time:
@@ -261,14 +267,14 @@ def controller_state_message(
     message.tasks = [
         TaskState(
             name=task.name,
-            error=task.error.tolist(),
+            error=doubles(task.error),
             error_norm=task.motion_error,
             force_error=task.force_error,
-            reference=task.target.position.tolist(),
+            reference=doubles(task.target.position),
         )
         for task in report.tasks
     ]
-    message.alpha = report.alpha.ravel().tolist()
+    message.alpha = doubles(report.alpha)
     message.status = result.status.value
     message.solver = solver if solution.qp_solved else "none"
     message.qp_solved = solution.qp_solved
@@ -282,14 +288,14 @@ def controller_state_message(
     message.counts = [
         NamedCount(name=name, count=count) for name, count in sorted(report.counts.items())
     ]
-    message.torque = result.torque.tolist()
+    message.torque = doubles(result.torque)
     message.bounded_contacts = list(report.contacts.names)
-    message.contact_lower = report.contacts.lower.tolist()
-    message.contact_upper = report.contacts.upper.tolist()
-    message.contact_forces = report.contacts.force.tolist()
+    message.contact_lower = doubles(report.contacts.lower)
+    message.contact_upper = doubles(report.contacts.upper)
+    message.contact_forces = doubles(report.contacts.force)
     message.contacts = list(report.loads.names)
-    message.normal_forces = report.loads.normal.tolist()
-    message.friction_use = report.loads.friction_use.tolist()
+    message.normal_forces = doubles(report.loads.normal)
+    message.friction_use = doubles(report.loads.friction_use)
     message.time_terms = result.time_terms
     message.time_solve = result.time_solve
     message.time_step = result.time_step

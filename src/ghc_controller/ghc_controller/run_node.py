@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -94,6 +95,9 @@ def _run(name: str, create: Callable[[Future], RunnableNode], stop: Future) -> i
         runnable = create(stop)
     except (GhcError, OSError) as error:
         return _complain(name, error, EXIT_REFUSED)
+    # What is there now stays: the garbage collector need not walk through it under a tick.
+    gc.collect()
+    gc.freeze()
     executor = make_executor(runnable.executor)
     executor.add_node(runnable.node)
     try:

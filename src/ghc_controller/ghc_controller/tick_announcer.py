@@ -6,15 +6,15 @@ from __future__ import annotations
 class TickAnnouncer:
     """Ticks begin at multiples of the generators' step; each is announced once, or on a repeat.
 
-    A tick is announced when the last state before it is answered, so that its plan is made while
-    the robot moves and is there with the tick's first state. States with other stamps than
+    A tick is announced half a tick ahead, at least with the last answer before its first state,
+    so that its plan is made meanwhile and is there in time. States with other stamps than
     expected only cost that head start.
     """
 
     def __init__(self, period_ns: int, tick_ns: int) -> None:
         """Control period and time between ticks [ns]."""
-        self._period_ns = period_ns
         self._tick_ns = tick_ns
+        self._lead_ns = max(period_ns, tick_ns // 2)
         self._announced = (-1, -1)  # epoch, start [ns]
         self._received_ns = -1  # state whose tick was asked for
 
@@ -27,8 +27,8 @@ class TickAnnouncer:
         return self._due(stamp_ns, epoch, repeated)
 
     def on_answer(self, stamp_ns: int, epoch: int) -> int | None:
-        """Start [ns] of the tick to announce when a state was answered: that of the next one."""
-        return self._due(stamp_ns + self._period_ns, epoch, False)
+        """Start [ns] of the tick to announce when a state was answered: half a tick ahead."""
+        return self._due(stamp_ns + self._lead_ns, epoch, False)
 
     def _due(self, stamp_ns: int, epoch: int, again: bool) -> int | None:
         start_ns = stamp_ns - stamp_ns % self._tick_ns

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from array import array
 from collections.abc import Sequence
 
 import numpy as np
@@ -23,6 +22,7 @@ from ghc_controller.errors import InvalidValue
 from ghc_controller.plan_conversions import motion_state
 from ghc_controller.ros_conversions import (
     NANOSECONDS,
+    doubles,
     nanoseconds_from_time,
     time_from_nanoseconds,
     time_from_seconds,
@@ -80,9 +80,9 @@ def schedule_message(schedule: Schedule, known_from: float = 0.0) -> ContactSche
     message = ContactSchedule(contact=schedule.contact)
     message.header.stamp = time_from_nanoseconds(1)
     message.known_from = time_from_seconds(known_from)
-    message.times = _doubles(schedule.times)
-    message.lower = _doubles(schedule.lower)
-    message.upper = _doubles(schedule.upper)
+    message.times = doubles(schedule.times)
+    message.lower = doubles(schedule.lower)
+    message.upper = doubles(schedule.upper)
     return message
 
 
@@ -94,8 +94,8 @@ def force_bounds_message(plan: ForceBoundsPlan, start_ns: int, epoch: int) -> Co
     message.header.frame_id = str(epoch)
     message.valid_until = time_from_nanoseconds(start_ns + round(steps * plan.step * NANOSECONDS))
     message.contacts = list(plan.contacts)
-    message.lower = _doubles(plan.lower)
-    message.upper = _doubles(plan.upper)
+    message.lower = doubles(plan.lower)
+    message.upper = doubles(plan.upper)
     message.in_contact = list(plan.in_contact)
     message.conflict = list(plan.conflict)
     message.status = [status.value for status in plan.status]
@@ -136,7 +136,7 @@ def obstacle_motion_message(plan: MotionPlan, start_ns: int, epoch: int) -> Obst
         entry.safe_distance = float(planned.safe_distance)
         entry.normal[:] = planned.normal
         entry.position[:], entry.velocity[:], entry.acceleration[:] = planned.state
-        entry.jerk = _doubles(planned.jerk)
+        entry.jerk = doubles(planned.jerk)
         entry.status = planned.status.value
         message.obstacles.append(entry)
     return message
@@ -157,10 +157,3 @@ def motion_in_force(data: bytes) -> dict[str, Array]:
     """Obstacle -> state (3, 3) of a serialized ControllerState: what was used last."""
     message: ControllerState = deserialize_message(data, ControllerState)
     return {entry.id: motion_state(entry) for entry in message.obstacles}
-
-
-def _doubles(values: Array) -> array[float]:
-    """All entries, row by row, as the fastest type for a float64[] field."""
-    doubles = array("d")
-    doubles.frombytes(np.ascontiguousarray(values).tobytes())
-    return doubles

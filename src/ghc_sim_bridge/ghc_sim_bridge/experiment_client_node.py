@@ -33,6 +33,7 @@ from ghc_sim_bridge.generator_script import ScriptedSchedule
 from ghc_sim_bridge.references import Reference
 
 STATE_TOPIC = "joint_states"
+TICK_TOPIC = "ghc/tick"
 REPORT_TOPIC = "ghc/controller_state"
 REFERENCE_TOPIC = "ghc/task_reference"
 TRANSITION_TOPIC = "ghc/priority_transition"

@@ -8,6 +8,7 @@ from ghc_sim_bridge.experiment_client_node import (
     REPORT_TOPIC,
     SCHEDULE_TOPIC,
     STATE_TOPIC,
+    TICK_TOPIC,
     TRANSITION_TOPIC,
 )
 
@@ -28,7 +29,7 @@ READ_BEFORE_START = {
     "controller": _SCRIPT,
     "recorder": (*_SCRIPT, STATE_TOPIC, REPORT_TOPIC),
     "viewer": (STATE_TOPIC,),
-    "contact_force_bounds": (STATE_TOPIC, SCHEDULE_TOPIC),
-    "obstacle_bounds": (STATE_TOPIC, OBSTACLE_TOPIC),
+    "contact_force_bounds": (TICK_TOPIC, SCHEDULE_TOPIC),
+    "obstacle_bounds": (TICK_TOPIC, OBSTACLE_TOPIC),
 }
 MAY_END = ("viewer",)  # whoever watches may close the window

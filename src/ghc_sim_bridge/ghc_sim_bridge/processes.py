@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -17,6 +18,7 @@ from typing import Self
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from ghc_controller.errors import GhcError, UnknownName
+from ghc_sim_bridge.cpu_placement import Cpus
 
 _TAIL_LINES = 15
 _PR_SET_PDEATHSIG = 1  # of linux/prctl.h
@@ -54,7 +56,12 @@ class NodeProcess:
     """One node: its process in a process group of its own, its output in a file."""
 
     def __init__(
-        self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]
+        self,
+        name: str,
+        command: Sequence[str],
+        log: Path,
+        environment: Mapping[str, str],
+        cpus: Cpus | None = None,
     ) -> None:
         self.name = name
         self.log = log
@@ -66,7 +73,7 @@ class NodeProcess:
                 stderr=subprocess.STDOUT,
                 env=dict(environment),
                 process_group=0,
-                preexec_fn=_end_with_parent if sys.platform == "linux" else None,
+                preexec_fn=partial(_prepare_child, cpus) if sys.platform == "linux" else None,
             )
 
     @property
@@ -102,9 +109,16 @@ class NodeProcess:
 class NodeProcesses:
     """The processes of one run; leaving the context ends all that still run."""
 
-    def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        environment: Mapping[str, str],
+        placement: Mapping[str, Cpus] | None = None,
+    ) -> None:
+        """Logs go to `folder`; `placement` says on which CPUs a node runs, if not on any."""
         self._folder = folder
         self._environment = environment
+        self._placement = placement or {}
         self._nodes: dict[str, NodeProcess] = {}
 
     def __enter__(self) -> Self:
@@ -122,7 +136,9 @@ class NodeProcesses:
         """Start one node."""
         path = find_executable(package, executable)
         log = self._folder / f"{name}.log"
-        self._nodes[name] = NodeProcess(name, [str(path), *arguments], log, self._environment)
+        self._nodes[name] = NodeProcess(
+            name, [str(path), *arguments], log, self._environment, self._placement.get(name)
+        )
 
     def check(self, may_end: Iterable[str] = ()) -> None:
         """Raise ProcessFailure, with the node's last output, when one has ended.
@@ -173,6 +189,9 @@ def describe_exit(code: int) -> str:
     return f"exit code {code}"
 
 
-def _end_with_parent() -> None:
-    """Ask Linux for a SIGINT when the parent dies, so that a killed run leaves no node behind."""
+def _prepare_child(cpus: Cpus | None) -> None:
+    """Take the child's CPUs; ask Linux for a SIGINT when the parent dies, so that a killed run
+    leaves no node behind."""
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)
+    if cpus is not None:
+        os.sched_setaffinity(0, cpus)

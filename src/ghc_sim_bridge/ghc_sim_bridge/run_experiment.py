@@ -17,6 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 from ghc_controller.robots import find_robot
 from ghc_controller.urdf_source import find_urdf
 from ghc_sim_bridge.controller_trace import ControllerTrace
+from ghc_sim_bridge.cpu_placement import Cpus, lockstep_placement
 from ghc_sim_bridge.experiment_client_node import ExperimentClient
 from ghc_sim_bridge.experiment_driver_node import ExperimentDriver
 from ghc_sim_bridge.experiment_nodes import EXECUTABLES
@@ -49,7 +50,7 @@ def run_experiment(plan: RunPlan) -> RunOutcome:
     os.environ["ROS_LOG_DIR"] = str(plan.folder / "logs")
     environment = os.environ | {"ROS_DOMAIN_ID": str(domain.id)}
     try:
-        with NodeProcesses(plan.folder / "logs", environment) as nodes:
+        with NodeProcesses(plan.folder / "logs", environment, _placement(plan, domain)) as nodes:
             for name in plan.parameters:
                 arguments = ["--ros-args", "--params-file", str(plan.folder / "parameters.yaml")]
                 nodes.start(name, *EXECUTABLES[name], arguments)
@@ -59,6 +60,13 @@ def run_experiment(plan: RunPlan) -> RunOutcome:
     finally:
         domain.release()
     return RunOutcome(exit_codes, wall_seconds, trace, robot, plan.folder / "log.npz")
+
+
+def _placement(plan: RunPlan, domain: DomainLock) -> dict[str, Cpus]:
+    """By the wall clock nodes run at the same time: Linux places them."""
+    return (
+        {} if plan.options.mode != "lockstep" else lockstep_placement(plan.parameters, domain.id)
+    )
 
 
 def _prepare_folder(plan: RunPlan) -> Path:

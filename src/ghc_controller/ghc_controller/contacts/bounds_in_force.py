@@ -13,6 +13,7 @@ from ghc_controller.errors import UnknownName
 from ghc_controller.types import Array
 
 _AGE_TOLERANCE = 1e-9  # [s]
+_NOWHERE = np.zeros(0, dtype=np.intp)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +46,9 @@ class BoundsInForce:
     def reset(self) -> None:
         """Forget the plan."""
         self._plan: ForceBoundsPlan | None = None
-        self._places: list[int] = []
-        self._active = [contact.active for contact in self._contacts]
+        self._places = _NOWHERE
+        self._held = _NOWHERE
+        self._active = tuple(contact.active for contact in self._contacts)
 
     def follow(self, plan: ForceBoundsPlan) -> None:
         """Take a plan over.
@@ -58,9 +60,14 @@ class BoundsInForce:
             if name not in self._names:
                 raise UnknownName("contact", name, self._names)
         self._plan = plan
-        self._places = [self._names.index(name) for name in plan.contacts]
-        for place, on in zip(self._places, plan.in_contact, strict=True):
-            self._active[place] = on
+        places = [self._names.index(name) for name in plan.contacts]
+        self._places = np.array(places, dtype=np.intp)
+        held = [self._contacts[place].on_stale is OnStale.HOLD for place in places]
+        self._held = np.flatnonzero(held)
+        active = list(self._active)
+        for place, on in zip(places, plan.in_contact, strict=True):
+            active[place] = on
+        self._active = tuple(active)
 
     def at(self, time: float) -> NormalBounds:
         """Bounds at `time` [s]."""
@@ -69,13 +76,15 @@ class BoundsInForce:
         plan = self._plan
         if plan is not None and plan.contacts:
             values = plan.at(time)
-            ended = time > plan.valid_until + _AGE_TOLERANCE
-            if ended:
-                stale = plan.contacts
-            for k, place in enumerate(self._places):
-                if not ended or self._contacts[place].on_stale is OnStale.HOLD:
-                    lower[place], upper[place] = values[0][k], values[1][k]
-        return NormalBounds(lower, upper, tuple(self._active), stale)
+            if time > plan.valid_until + _AGE_TOLERANCE:
+                stale, held = plan.contacts, self._held
+                lower[self._places[held]], upper[self._places[held]] = (
+                    values[0][held],
+                    values[1][held],
+                )
+            else:
+                lower[self._places], upper[self._places] = values
+        return NormalBounds(lower, upper, self._active, stale)
 
     def largest_ahead(self, place: int, time: float, span: float) -> float:
         """Largest planned upper bound [N] of a contact from `time` to `time + span` [s]."""
@@ -84,7 +93,7 @@ class BoundsInForce:
             return 0.0
         first = max(int(np.ceil((time - plan.start) / plan.step - 1e-6)), 0)
         last = int((time + span - plan.start) / plan.step + 1e-6)
-        row = plan.upper[self._places.index(place), first : last + 1]
+        row = plan.upper[np.flatnonzero(self._places == place)[0], first : last + 1]
         return float(row.max(initial=0.0))
 
     @property

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ghc_controller.contacts.bounds_in_force import NormalBounds
 from ghc_controller.contacts.contact import Contact
-from ghc_controller.contacts.kernels import point_motion, point_rows
+from ghc_controller.contacts.kernels import force_limits, write_contact
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import ContactRows
 from ghc_controller.reference_schedule import ReferenceSchedule
@@ -24,16 +25,23 @@ CARRIES = 0.1  # [N] of normal force: below it the share of friction is noise
 _PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
 
 
+class _Part(NamedTuple):
+    """One contact that is on."""
+
+    contact: Contact
+    axes: Array  # (a, 3) its force axes
+    force: slice  # its entries in c
+    motion: slice  # its rows in q
+
+
 @dataclass(frozen=True, slots=True)
 class _Layout:
     """What stays the same while the same contacts are on; q, c and r as in ContactRows."""
 
     places: NDArray[np.intp]  # of the contacts that are on
-    motion: tuple[slice, ...]  # their rows in q
-    force: tuple[slice, ...]  # their entries in c
+    parts: tuple[_Part, ...]  # the same contacts
+    motion_rows: int  # q
     force_matrix: Array  # (r, c)
-    lower: Array  # (r,)
-    upper: Array  # (r,)
     names: tuple[str, ...]  # (r,)
     normals: Array  # (contacts on, c) sums of their normal forces
     free_center: Array  # (c,) force cost without a force task
@@ -74,27 +82,27 @@ class ContactSet:
         layout = self._layouts.get(bounds.active)
         if layout is None:
             layout = self._layouts[bounds.active] = _layout(self.contacts, bounds.active)
-        q, c = layout.motion[-1].stop, layout.force[-1].stop
+        q, c = layout.motion_rows, layout.free_center.shape[0]
         force_jacobian = np.empty((c, model.nv))
         jacobian, drift_target = np.empty((q, model.nv)), np.empty(q)
-        for k, place in enumerate(layout.places):
-            contact = self.contacts[place]
+        for contact, axes, force, motion in layout.parts:
             frame = model.frame(contact.frame_id)
-            axes, points = contact.force_axes, contact.points
-            rows = force_jacobian[layout.force[k]]
-            point_rows(frame.rotation, frame.jacobian, points, axes, rows)
-            motion = layout.motion[k]
-            motions = (frame.rotation, frame.velocity, frame.drift)
-            if contact.is_surface:
-                jacobian[motion] = frame.jacobian
-                drift_target[motion] = -frame.drift - _STOPPING_RATE * frame.velocity
-            else:
-                jacobian[motion] = rows
-                point_motion(*motions, points, axes, _STOPPING_RATE, drift_target[motion])
-        count = len(layout.places)
-        lower, upper = layout.lower.copy(), layout.upper.copy()
-        upper[:count] = np.maximum(bounds.upper[layout.places], 0.0)
-        lower[:count] = np.minimum(bounds.lower[layout.places], upper[:count])
+            write_contact(
+                frame.rotation,
+                frame.jacobian,
+                frame.velocity,
+                frame.drift,
+                contact.points,
+                axes,
+                _STOPPING_RATE,
+                contact.is_surface,
+                force_jacobian[force],
+                jacobian[motion],
+                drift_target[motion],
+            )
+        lower, upper = force_limits(
+            bounds.lower, bounds.upper, layout.places, layout.force_matrix.shape[0]
+        )
         center, factor = self._force_cost(layout, references, time)
         return ContactRows(
             jacobian,
@@ -106,7 +114,7 @@ class ContactSet:
             center,
             factor,
             layout.names,
-            count,
+            len(layout.parts),
         )
 
     def normal_forces(self, active: tuple[bool, ...], force: Array) -> Array:
@@ -126,10 +134,10 @@ class ContactSet:
         layout = self._layouts.get(active)
         if layout is None or not force.shape[0]:
             return use
-        for place, entries in zip(layout.places, layout.force, strict=True):
-            contact = self.contacts[place]
+        for place, part in zip(layout.places, layout.parts, strict=True):
+            contact = part.contact
             if contact.friction > 0.0:
-                points = force[entries].reshape(-1, contact.force_axes.shape[0])
+                points = force[part.force].reshape(-1, part.axes.shape[0])
                 use[place] = largest_friction_use(points, contact.friction)
         return use
 
@@ -138,8 +146,8 @@ class ContactSet:
     ) -> tuple[Array, Array]:
         """Centre (c,) and factor (c, c) of the cost on forces, as in ContactRows."""
         pulls = []  # (contact on, weight, force [N]) of each task
-        for k, place in enumerate(layout.places):
-            task = self.contacts[place].force_task
+        for k, part in enumerate(layout.parts):
+            task = part.contact.force_task
             if task is None:
                 continue
             target = references.current(task.name, time)
@@ -160,34 +168,31 @@ class ContactSet:
 
 def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
     places = np.flatnonzero(active)
-    motion, force, names = [], [], []
+    parts, names = [], []
     q = c = 0
     for place in places:
         contact = contacts[place]
-        size = contact.points.shape[0] * contact.force_axes.shape[0]
-        motion.append(slice(q, q + contact.motion_rows))
-        force.append(slice(c, c + size))
+        axes = np.ascontiguousarray(contact.force_axes)
+        force = slice(c, c + contact.points.shape[0] * axes.shape[0])
+        motion = slice(q, q + contact.motion_rows)
+        parts.append(_Part(contact, axes, force, motion))
         names.append(f"contact.{contact.name}")
-        q, c = motion[-1].stop, force[-1].stop
+        q, c = motion.stop, force.stop
     normals = np.zeros((len(places), c))
     cones: list[Array] = []
-    for k, place in enumerate(places):
-        contact = contacts[place]
-        step = contact.force_axes.shape[0]
-        normals[k, force[k].start + step - 1 : force[k].stop : step] = 1.0
+    for k, (contact, axes, force, _) in enumerate(parts):
+        step = axes.shape[0]
+        normals[k, force.start + step - 1 : force.stop : step] = 1.0
         for point in range(contact.points.shape[0]):
-            first = force[k].start + point * step
+            first = force.start + point * step
             cones.append(_cone(contact.friction, first, c))
             names += [f"contact.{contact.name}.friction"] * cones[-1].shape[0]
     matrix = np.vstack([normals, *cones])
-    lower, upper = np.full(matrix.shape[0], -np.inf), np.zeros(matrix.shape[0])
     return _Layout(
         places,
-        tuple(motion),
-        tuple(force),
+        tuple(parts),
+        q,
         matrix,
-        lower,
-        upper,
         tuple(names),
         normals,
         np.zeros(c),

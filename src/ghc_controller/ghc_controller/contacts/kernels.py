@@ -4,35 +4,54 @@ from __future__ import annotations
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from ghc_controller.types import Array
 
 
 @numba.njit(cache=True)
-def point_rows(
-    rotation: Array, jacobian: Array, points: Array, axes: Array, out: Array
+def write_contact(
+    rotation: Array,
+    jacobian: Array,
+    velocity: Array,
+    drift: Array,
+    points: Array,
+    axes: Array,
+    rate: float,
+    is_surface: bool,
+    force_jacobian: Array,
+    motion_jacobian: Array,
+    drift_target: Array,
 ) -> None:  # pragma: no cover
-    """Jacobian of points of a frame along given axes, (p * a, n), point by point.
+    """Rows of one contact: where its forces act, and which motion it keeps still.
 
-    rotation (3, 3) frame to world, jacobian (6, n) of its origin in world axes, points (p, 3) in
-    the frame, axes (a, 3) in the world: row = axis . (J_lin + J_ang x (R point)).
+    rotation (3, 3) frame to world; jacobian (6, n), velocity and drift (6,) of its origin, world
+    axes; points (p, 3) in the frame, axes (a, 3) in the world.
+
+    Writes:
+        force_jacobian: (p * a, n), point by point: axis . (J_lin + J_ang x (R point)).
+        motion_jacobian: (6, n) the frame's own for a surface, else the same rows.
+        drift_target: accelerations that keep it still, -dJ/dt v - rate * velocity, of these rows.
     """
-    n = jacobian.shape[1]
-    arm = np.empty(3)
+    if is_surface:
+        for r in range(6):
+            motion_jacobian[r] = jacobian[r]
+            drift_target[r] = -drift[r] - rate * velocity[r]
+    arm, turn = np.empty(3), np.empty(3)
     for p in range(points.shape[0]):
         for i in range(3):
             arm[i] = 0.0
             for j in range(3):
                 arm[i] += rotation[i, j] * points[p, j]
-        for a in range(axes.shape[0]):
-            row = out[p * axes.shape[0] + a]
-            x, y, z = axes[a, 0], axes[a, 1], axes[a, 2]
+        # A point at arm r has the velocity v + w x r and the drift a + b x r + w x (w x r).
+        _cross(velocity[3:], arm, turn)
+        for k in range(axes.shape[0]):
+            x, y, z = axes[k, 0], axes[k, 1], axes[k, 2]
             # axis . (w x arm) = w . (arm x axis)
-            u = arm[1] * z - arm[2] * y
-            v = arm[2] * x - arm[0] * z
-            w = arm[0] * y - arm[1] * x
-            for c in range(n):
-                row[c] = (
+            u, v, w = arm[1] * z - arm[2] * y, arm[2] * x - arm[0] * z, arm[0] * y - arm[1] * x
+            place = p * axes.shape[0] + k
+            for c in range(jacobian.shape[1]):
+                force_jacobian[place, c] = (
                     x * jacobian[0, c]
                     + y * jacobian[1, c]
                     + z * jacobian[2, c]
@@ -40,40 +59,43 @@ def point_rows(
                     + v * jacobian[4, c]
                     + w * jacobian[5, c]
                 )
+            if not is_surface:
+                motion_jacobian[place] = force_jacobian[place]
+                still = _along(x, y, z, u, v, w, drift) + rate * _along(x, y, z, u, v, w, velocity)
+                # axis . (w x turn) = w . (turn x axis)
+                still += velocity[3] * (turn[1] * z - turn[2] * y)
+                still += velocity[4] * (turn[2] * x - turn[0] * z)
+                still += velocity[5] * (turn[0] * y - turn[1] * x)
+                drift_target[place] = -still
 
 
 @numba.njit(cache=True)
-def point_motion(
-    rotation: Array,
-    velocity: Array,
-    drift: Array,
-    points: Array,
-    axes: Array,
-    rate: float,
-    out: Array,
-) -> None:  # pragma: no cover
-    """Accelerations (p * a,) that keep points still: -dJ/dt v - rate * velocity, along the axes.
+def force_limits(
+    lower: Array, upper: Array, places: NDArray[np.intp], rows: int
+) -> tuple[Array, Array]:  # pragma: no cover
+    """Bounds (r,) of all force rows: normal forces of the contacts at `places`, then cones.
 
-    velocity and drift (6,) of the frame's origin, world axes. A point at arm r has the drift
-    a + b x r + w x (w x r).
+    lower and upper (c,) [N] of all contacts; an upper one below zero means no force, and a lower
+    one gives way to it.
     """
-    arm = np.empty(3)
-    turn = np.empty(3)
-    for p in range(points.shape[0]):
-        for i in range(3):
-            arm[i] = 0.0
-            for j in range(3):
-                arm[i] += rotation[i, j] * points[p, j]
-        w0, w1, w2 = velocity[3], velocity[4], velocity[5]
-        turn[0] = w1 * arm[2] - w2 * arm[1]
-        turn[1] = w2 * arm[0] - w0 * arm[2]
-        turn[2] = w0 * arm[1] - w1 * arm[0]
-        b0, b1, b2 = drift[3], drift[4], drift[5]
-        d0 = drift[0] + b1 * arm[2] - b2 * arm[1] + w1 * turn[2] - w2 * turn[1]
-        d1 = drift[1] + b2 * arm[0] - b0 * arm[2] + w2 * turn[0] - w0 * turn[2]
-        d2 = drift[2] + b0 * arm[1] - b1 * arm[0] + w0 * turn[1] - w1 * turn[0]
-        for a in range(axes.shape[0]):
-            x, y, z = axes[a, 0], axes[a, 1], axes[a, 2]
-            speed = x * (velocity[0] + turn[0]) + y * (velocity[1] + turn[1])
-            speed += z * (velocity[2] + turn[2])
-            out[p * axes.shape[0] + a] = -(x * d0 + y * d1 + z * d2) - rate * speed
+    low, high = np.full(rows, -np.inf), np.zeros(rows)
+    for k in range(places.shape[0]):
+        high[k] = max(upper[places[k]], 0.0)
+        low[k] = min(lower[places[k]], high[k])
+    return low, high
+
+
+@numba.njit(cache=True)
+def _cross(left: Array, right: Array, out: Array) -> None:  # pragma: no cover
+    out[0] = left[1] * right[2] - left[2] * right[1]
+    out[1] = left[2] * right[0] - left[0] * right[2]
+    out[2] = left[0] * right[1] - left[1] * right[0]
+
+
+@numba.njit(cache=True)
+def _along(
+    x: float, y: float, z: float, u: float, v: float, w: float, motion: Array
+) -> float:  # pragma: no cover
+    """A spatial vector (6,) along an axis (x, y, z) with moment (u, v, w)."""
+    linear = x * motion[0] + y * motion[1] + z * motion[2]
+    return linear + u * motion[3] + v * motion[4] + w * motion[5]

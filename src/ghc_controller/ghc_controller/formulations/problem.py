@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.types import Array, Bounds
 
 
-@dataclass(frozen=True, slots=True)
-class ContactRows:
+class ContactRows(NamedTuple):
     """Rigid contacts: J x = drift_target (thesis, eq. 5.1), with forces f acting through J_f^T.
 
     q = motion rows, c = force coordinates, r = rows on the forces: the first `bounds` of them are
@@ -30,8 +30,7 @@ class ContactRows:
     bounds: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class AccelerationRows:
+class AccelerationRows(NamedTuple):
     """General rows lower <= matrix x <= upper on the joint accelerations, such as obstacles."""
 
     matrix: Array  # (r, n)
