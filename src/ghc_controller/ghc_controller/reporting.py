@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -103,14 +104,15 @@ def _task_report(
     stack: TaskStack, references: ReferenceSchedule, index: int, time: float
 ) -> TaskReport:
     error, task = stack.error_of(index).copy(), stack.tasks[index]
-    force = task.force_row_mask if stack.force_rows[index] else np.zeros(task.size, bool)
-    return TaskReport(
-        task.name,
-        error,
-        float(np.linalg.norm(error[~force])),
-        float(np.linalg.norm(error[force])),
-        references.target(index, time),
-    )
+    motion, force = _length(error), 0.0
+    if stack.force_rows[index]:
+        mask = task.force_row_mask
+        motion, force = _length(error[~mask]), _length(error[mask])
+    return TaskReport(task.name, error, motion, force, references.target(index, time))
+
+
+def _length(vector: Array) -> float:
+    return math.sqrt(vector @ vector)
 
 
 def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
@@ -118,11 +120,16 @@ def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
     names: list[str] = []
     if contacts is not None:
         push = contacts.force_matrix @ solution.force
-        for k, name in enumerate(contacts.names):
-            size = _ACTIVE * max(abs(push[k]), 1.0)
-            if push[k] <= contacts.force_lower[k] + size:
+        size = _ACTIVE * np.maximum(np.abs(push), 1.0)
+        at_lower, at_upper = (
+            push <= contacts.force_lower + size,
+            push >= contacts.force_upper - size,
+        )
+        for k in np.flatnonzero(at_lower | at_upper):
+            name = contacts.names[k]
+            if at_lower[k]:
                 names.append(f"{name}.lower")
-            if push[k] >= contacts.force_upper[k] - size:
+            if at_upper[k]:
                 names.append(f"{name}.upper" if k < contacts.bounds else name)
     if rows is not None:
         value = rows.matrix @ solution.acceleration

@@ -36,6 +36,7 @@ class ObstacleDistance:
         """Forget the plan."""
         self._plan: MotionPlan | None = None
         self._frames: tuple[int, ...] = ()
+        self._no_upper = np.zeros(0)
         self.names: tuple[str, ...] = ()
 
     def follow(self, plan: MotionPlan) -> None:
@@ -46,6 +47,7 @@ class ObstacleDistance:
         """
         self._frames = tuple(self._model.frame_id(entry.frame) for entry in plan.obstacles)
         self.names = tuple(f"obstacle.{entry.id}" for entry in plan.obstacles)
+        self._no_upper = np.full(len(plan.obstacles), np.inf)
         self._plan = plan
 
     def states(self, time: float) -> tuple[tuple[PlannedObstacle, Array], ...]:
@@ -63,18 +65,19 @@ class ObstacleDistance:
 
     def rows(self, time: float) -> AccelerationRows | None:
         """Rows at the state of the last `model.update`; None without obstacles."""
-        states = self.states(time)
-        if not states:
+        plan = self._plan
+        if plan is None or not plan.obstacles:
             return None
-        matrix = np.empty((len(states), self._model.nv))
-        lower = np.empty(len(states))
-        for row, ((entry, state), frame_id) in enumerate(zip(states, self._frames, strict=True)):
-            frame = self._model.frame(frame_id)
+        elapsed = max(time - plan.start, 0.0)
+        matrix = np.empty((len(plan.obstacles), self._model.nv))
+        lower = np.empty(len(plan.obstacles))
+        for row, (entry, frame_id) in enumerate(zip(plan.obstacles, self._frames, strict=True)):
+            state, frame = entry.at(elapsed, plan.step), self._model.frame(frame_id)
             motion = (frame.jacobian, frame.position, frame.velocity, frame.drift)
             lower[row] = distance_row(
                 *motion, entry.normal, state, entry.safe_distance, self._horizon, matrix[row]
             )
-        return AccelerationRows(matrix, lower, np.full(len(states), np.inf), self.names)
+        return AccelerationRows(matrix, lower, self._no_upper, self.names)
 
 
 @njit(cache=True)
