@@ -147,5 +147,6 @@ def _loop(results: dict[str, Any]) -> str:
         "physics, two messages, one control step a cycle. With both generators, the tool is in "
         "contact by a schedule whose largest force jumps twice a second, and a wall that only "
         "the sensor sees jumps towards the elbow and away once a second; every 10 ms the "
-        "controller waits for both plans.\n\n" + loop_table(results["loop"]) + "\n"
+        "controller waits for both plans. Bridge and controller take turns on one CPU, the other "
+        "nodes have the rest.\n\n" + loop_table(results["loop"]) + "\n"
     )
