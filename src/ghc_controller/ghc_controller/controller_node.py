@@ -15,18 +15,10 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
-from ghc_msgs.msg import (
-    ControllerState,
-    PriorityMatrix,
-    PriorityTransition,
-    TaskReference,
-    TransitionStatus,
-)
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
@@ -35,9 +27,10 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, Header
 
+from ghc_controller.accounts_node import Accounts
 from ghc_controller.cdr import encode_header, read_stamp
 from ghc_controller.controller import Controller
-from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.errors import InvalidValue
 from ghc_controller.joint_state_cdr import (
     JointStateDecoder,
     JointStateEncoder,
@@ -46,26 +39,16 @@ from ghc_controller.joint_state_cdr import (
 from ghc_controller.joint_state_reader import JointStateReader
 from ghc_controller.node_parameters import read_parameters
 from ghc_controller.parameters import ControllerParameters
-from ghc_controller.plan_conversions import PLAN_QOS, obstacle_message
+from ghc_controller.plan_conversions import PLAN_QOS
 from ghc_controller.plan_inbox_node import PLANS, PlanInbox
 from ghc_controller.rejections import Rejections
-from ghc_controller.report import StepStatus
+from ghc_controller.request_desk_node import RequestDesk
 from ghc_controller.ros_conversions import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
-    LATCHED_QOS,
     NANOSECONDS,
-    RELIABLE_QOS,
-    STREAM_QOS,
     base_from_bytes,
-    controller_state_message,
-    diagnostics_message,
-    event_message,
-    matrix_message,
     read_joint_state,
-    reference_from_message,
-    status_message,
-    transition_from_message,
     wrench_from_bytes,
 )
 from ghc_controller.run_node import guarded, run_node
@@ -99,16 +82,16 @@ class ControllerNode:
         self._announcer = TickAnnouncer(
             round(p.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
         )
-        self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
         self._rejections = Rejections()
-        self._early: list[Callable[[], None]] = []  # requests that came before the first state
+        self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
+        self._requests = RequestDesk(
+            self.node, stop, self._controller, p.lockstep, self._gate.forget, self._reject
+        )
+        self._accounts = Accounts(self.node, self._controller, self._rejections, p.state_rate)
         self._now: float | None = None  # [s] of the last state
         self._decoder = JointStateDecoder(read_joint_state)
         self._encoder = self._make_encoder("")
         self._command = b""  # serialized, of the last answered state
-        self._state_period_ns = round(NANOSECONDS / p.state_rate)
-        self._state_due_ns = 0
-        self._shown_matrix: tuple[bytes, bool, int] | None = None
         self._publish_and_listen(stop)
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
@@ -118,13 +101,7 @@ class ControllerNode:
     def _publish_and_listen(self, stop: Future) -> None:
         node, p = self.node, self._parameters
         self._commands = node.create_publisher(JointState, "joint_commands", CONTROL_PUBLISHER_QOS)
-        self._status = node.create_publisher(
-            TransitionStatus, "ghc/transition_status", RELIABLE_QOS
-        )
-        self._matrix = node.create_publisher(PriorityMatrix, "ghc/priority_matrix", LATCHED_QOS)
-        self._state = node.create_publisher(ControllerState, "ghc/controller_state", STREAM_QOS)
         self._ticks = node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
-        self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._mirror = (
             node.create_publisher(Float64MultiArray, "/effort_controller/commands", 1)
             if p.mirror_commands
@@ -156,16 +133,6 @@ class ControllerNode:
         for name, kind in PLANS.items():
             take = guarded(stop, partial(self._plans.take, name))
             node.create_subscription(kind, f"constraints/{name}", take, PLAN_QOS)
-        for message, topic, handle in (
-            (PriorityTransition, "ghc/priority_transition", self._on_transition),
-            (TaskReference, "ghc/task_reference", self._on_reference),
-        ):
-            node.create_subscription(
-                message,
-                topic,
-                guarded(stop, partial(self._after_first_state, handle)),
-                RELIABLE_QOS,
-            )
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
@@ -243,15 +210,12 @@ class ControllerNode:
         if new_epoch:
             controller.reset()
             self._plans.forget()
-            self._state_due_ns = 0
+            self._accounts.reset()
         self._plans.hand_over(self._gate.epoch, stamp_ns)
-        first = self._now is None
-        self._now = state.time
-        if first:
+        if not self._requests.is_open:
             controller.observe(state)
-            for request in self._early:
-                request()
-            self._early.clear()
+        self._now = state.time
+        self._requests.at(state.time)
         result = controller.step(state)
         if values.frame_id != self._encoder.frame_id:
             self._encoder = self._make_encoder(values.frame_id)
@@ -261,108 +225,15 @@ class ControllerNode:
         self._announce(self._announcer.on_answer(stamp_ns, self._gate.epoch))
         if self._mirror is not None:
             self._mirror.publish(Float64MultiArray(data=result.torque))
-        for event in result.events:
-            self._status.publish(event_message(event))
-        if stamp_ns >= self._state_due_ns or result.status is StepStatus.FALLBACK:
-            period = self._state_period_ns
-            self._state_due_ns = stamp_ns - stamp_ns % period + period
-            self._publish_state()
-
-    def _publish_state(self) -> None:
-        controller = self._controller
-        report = controller.report()
-        report.counts.update({f"rejected_{k}": n for k, n in self._rejections.counts.items()})
-        message = controller_state_message(
-            report,
-            controller.formulation.name,
-            controller.formulation.solver.name,
-            controller.model.joint_names,
-        )
-        message.obstacles = [obstacle_message(entry) for entry in report.obstacles]
-        self._state.publish(message)
-        priorities = controller.priorities
-        shown = (priorities.alpha.tobytes(), priorities.in_transition, self._gate.epoch)
-        if shown != self._shown_matrix:  # latched: who comes later gets the last one
-            self._shown_matrix = shown
-            self._matrix.publish(matrix_message(priorities, report.result.time))
-
-    def _after_first_state(
-        self,
-        handle: Callable[[PriorityTransition | TaskReference], None],
-        message: PriorityTransition | TaskReference,
-    ) -> None:
-        """Requests are judged at a robot state: those that come before it wait."""
-        if self._now is None:
-            self._early.append(partial(handle, message))
-        else:
-            handle(message)
-
-    def _on_transition(self, message: PriorityTransition) -> None:
-        now = self._now or 0.0
-        controller = self._controller
-        try:
-            transition = transition_from_message(message, controller.robot.task_names, now)
-            self._check_start(transition.start, now)
-            is_new = controller.add_transition(transition, now)
-        except GhcError as error:
-            self._status.publish(
-                status_message(TransitionStatus.REJECTED, now, None, message.id, str(error))
-            )
-            self._reject("ghc/priority_transition", str(error))
-            return
-        if is_new:
-            self._gate.forget()  # the state in force is worked out again with it
-            for event in controller.take_events():
-                self._status.publish(event_message(event))
-            return
-        # A repeat: its DONE follows at once only where the ramp is over.
-        self._status.publish(status_message(TransitionStatus.ACCEPTED, now, transition))
-        if controller.priorities.is_settled:
-            self._status.publish(status_message(TransitionStatus.DONE, now, transition))
-
-    def _on_reference(self, message: TaskReference) -> None:
-        now = self._now or 0.0
-        controller = self._controller
-        try:
-            schedule = controller.schedule_of(message.task)
-            task = schedule.task(message.task)
-            current = schedule.current(message.task, now).position
-            reference = reference_from_message(message, task, current, now)
-            self._check_start(reference.start_time, now)
-            controller.add_reference(reference)
-        except GhcError as error:
-            self._reject("ghc/task_reference", str(error))
-            return
-        self._gate.forget()
-
-    def _check_start(self, start: float, now: float) -> None:
-        if self._parameters.lockstep and start < now:
-            raise InvalidValue(
-                f"start {start:g} s given, {now:g} s (now) or later expected: in lockstep a late "
-                "request would make the run depend on when it arrived"
-            )
+        self._requests.tell(result.events)
+        self._accounts.publish(stamp_ns, self._gate.epoch, result.status)
 
     def _reject(self, field: str, reason: str) -> None:
         if self._rejections.count(field, time.monotonic()):
             self.node.get_logger().warning(f"{field}: {reason}")
 
     def _publish_diagnostics(self) -> None:
-        controller = self._controller
-        counts = controller.counts | controller.gate.counts
-        rejected = {f"rejected_{k}": n for k, n in sorted(self._rejections.counts.items())}
-        trouble = counts["fallback_ticks"] + sum(self._rejections.counts.values())
-        stamp_ns = round((self._now or 0.0) * NANOSECONDS)
-        summary = "ok" if self._now is not None else "waiting for joint_states"
-        silence = self._plans.silent(self._now or 0.0)
-        if trouble:
-            summary = f"{counts['fallback_ticks']} ticks without a solution, "
-            summary += f"{sum(self._rejections.counts.values())} inputs refused"
-        summary = "; ".join(part for part in (silence, summary) if part)
-        values: dict[str, object] = {"formulation": controller.formulation.name}
-        warning = trouble > 0 or bool(silence)
-        self._diagnostics.publish(
-            diagnostics_message(stamp_ns, NODE_NAME, summary, warning, values | counts | rejected)
-        )
+        self._accounts.publish_diagnostics(self._now, self._plans.silent(self._now or 0.0))
 
     def close(self) -> None:
         """Nothing to be written."""

@@ -17,7 +17,7 @@ from ghc_controller.rotation import (
     turned_motion,
     vector_motion,
 )
-from ghc_controller.tasks.task import UNIT_TOLERANCE, ReferenceSpace, Task
+from ghc_controller.tasks.follower import UNIT_TOLERANCE, Follower, ReferenceSpace
 from ghc_controller.types import Array, TaskTarget
 
 
@@ -76,7 +76,7 @@ class ReferenceTrajectory:
     @classmethod
     def for_task(
         cls,
-        task: Task,
+        task: Follower,
         times: Array,
         position: Array,
         velocity: Array | None = None,
@@ -99,7 +99,7 @@ class ReferenceTrajectory:
 
     @classmethod
     def static(
-        cls, task: Task, target: TaskTarget, start_time: float = 0.0
+        cls, task: Follower, target: TaskTarget, start_time: float = 0.0
     ) -> ReferenceTrajectory:
         """One point: the position (and wrench) of `target`, held for ever."""
         wrench = None if target.wrench is None else target.wrench[None]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ghc_controller.errors import UnknownName
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.robot_model import RobotModel
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.follower import Follower
 from ghc_controller.types import TaskTarget
 
 
@@ -17,7 +17,7 @@ class ReferenceSchedule:
     A task without a reference follows its configured one, or stays where it was at `begin`.
     """
 
-    def __init__(self, tasks: Sequence[Task]) -> None:
+    def __init__(self, tasks: Sequence[Follower]) -> None:
         self._tasks = tuple(tasks)
         self._index = {task.name: i for i, task in enumerate(self._tasks)}
         self.reset()
@@ -43,7 +43,7 @@ class ReferenceSchedule:
         """True after `begin`."""
         return self._begun
 
-    def task(self, name: str) -> Task:
+    def task(self, name: str) -> Follower:
         """Task of that name.
 
         Raises:

@@ -38,8 +38,8 @@ from ghc_controller.hierarchy import (
 )
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.report import Report
+from ghc_controller.tasks.follower import UNIT_TOLERANCE, Follower
 from ghc_controller.tasks.posture import PostureTask
-from ghc_controller.tasks.task import UNIT_TOLERANCE, Task
 from ghc_controller.types import Array
 
 _POSE, _TWIST = slice(0, 7), slice(43, 49)  # of an Odometry's numbers; covariances between
@@ -191,7 +191,7 @@ def matrix_message(priorities: TransitionSchedule, time: float) -> PriorityMatri
 
 
 def reference_from_message(
-    message: TaskReference, task: Task, current: Array, now: float
+    message: TaskReference, task: Follower, current: Array, now: float
 ) -> ReferenceTrajectory:
     """Reference of a task; a zero stamp means `now` [s].
 
@@ -224,7 +224,7 @@ def reference_from_message(
     )
 
 
-def _joint_order(message: TaskReference, task: Task) -> list[int] | None:
+def _joint_order(message: TaskReference, task: Follower) -> list[int] | None:
     """Where the joints of the task stand in the message; None when it names none."""
     if not message.joints:
         return None
@@ -238,7 +238,7 @@ def _joint_order(message: TaskReference, task: Task) -> list[int] | None:
     return [list(message.joints).index(joint) for joint in task.labels]
 
 
-def _row(task: Task, name: str, values: Sequence[float], order: list[int] | None) -> Array:
+def _row(task: Follower, name: str, values: Sequence[float], order: list[int] | None) -> Array:
     row = np.array(values, dtype=np.float64)
     expected = task.position_size if name == "position" else task.size
     if row.shape != (expected,):
@@ -247,7 +247,7 @@ def _row(task: Task, name: str, values: Sequence[float], order: list[int] | None
 
 
 def _optional_rows(
-    message: TaskReference, task: Task, name: str, order: list[int] | None
+    message: TaskReference, task: Follower, name: str, order: list[int] | None
 ) -> Array | None:
     """(p, m) when any point gives the field, zeros where a point does not; else None."""
     values = [getattr(point, name) for point in message.points]

@@ -8,7 +8,8 @@ class TickAnnouncer:
 
     A tick is announced half a tick ahead, at least with the last answer before its first state,
     so that its plan is made meanwhile and is there in time. States with other stamps than
-    expected only cost that head start.
+    expected only cost that head start. While an epoch stands at its first state nothing is
+    announced ahead: what is scripted arrives then.
     """
 
     def __init__(self, period_ns: int, tick_ns: int) -> None:
@@ -16,23 +17,29 @@ class TickAnnouncer:
         self._tick_ns = tick_ns
         self._lead_ns = max(period_ns, tick_ns // 2)
         self._announced = (-1, -1)  # epoch, start [ns]
-        self._received_ns = -1  # state whose tick was asked for
+        self._received = (-1, -1)  # epoch, stamp [ns] of the last state
+        self._first_ns = -1  # stamp of the first state of the epoch
 
     def on_state(self, stamp_ns: int, epoch: int) -> int | None:
         """Start [ns] of the tick to announce when a state arrives; None = it is known.
 
         The tick of a state that comes again is announced again: somebody waits for its plan.
         """
-        repeated, self._received_ns = stamp_ns == self._received_ns, stamp_ns
-        return self._due(stamp_ns, epoch, repeated)
+        repeated = (epoch, stamp_ns) == self._received
+        if epoch != self._received[0]:
+            self._first_ns = stamp_ns
+        self._received = (epoch, stamp_ns)
+        tick = (epoch, stamp_ns - stamp_ns % self._tick_ns)
+        if tick > self._announced or (repeated and tick == self._announced):
+            self._announced = tick
+            return tick[1]
+        return None
 
     def on_answer(self, stamp_ns: int, epoch: int) -> int | None:
         """Start [ns] of the tick to announce when a state was answered: half a tick ahead."""
-        return self._due(stamp_ns + self._lead_ns, epoch, False)
-
-    def _due(self, stamp_ns: int, epoch: int, again: bool) -> int | None:
-        start_ns = stamp_ns - stamp_ns % self._tick_ns
-        if (epoch, start_ns) <= self._announced and not again:
+        ahead_ns = stamp_ns + self._lead_ns
+        tick = (epoch, ahead_ns - ahead_ns % self._tick_ns)
+        if stamp_ns == self._first_ns or tick <= self._announced:
             return None
-        self._announced = (epoch, start_ns)
-        return start_ns
+        self._announced = tick
+        return tick[1]

@@ -11,8 +11,8 @@ from ghc_controller.config import Fields
 from ghc_controller.contacts.sensing import Sensing
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot_model import RobotModel
-from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, TaskRows, TaskTarget
+from ghc_controller.tasks.follower import Follower
+from ghc_controller.types import Array
 
 _SURFACE_POINTS = 3  # as many points fix all six coordinates of a frame
 
@@ -101,7 +101,7 @@ class Contact:
         return contact
 
 
-class ContactForceTask(Task):
+class ContactForceTask(Follower):
     """|F_n - F_ref|^2, beside the tasks of the hierarchy: a force that a contact shall carry.
 
     It has no rows on accelerations: contact forces are variables of the QP, so that its weight
@@ -110,20 +110,9 @@ class ContactForceTask(Task):
     the thesis on the approach of Salini).
     """
 
-    error_unit = "N"
-
     def __init__(self, name: str, weight: float) -> None:
-        super().__init__(name, ("normal",), 0.0, 0.0)
+        super().__init__(name, ("normal",))
         self.weight = weight  # [-] beside the unit weight of task accelerations
-
-    @classmethod
-    def from_config(cls, fields: Fields, model: RobotModel) -> ContactForceTask:
-        """Never built by itself: see Contact.from_config."""
-        raise NotImplementedError
-
-    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
-        """No rows."""
-        raise NotImplementedError
 
     def current(self, model: RobotModel) -> Array:  # noqa: ARG002
         """Without a reference it is off: share 0."""

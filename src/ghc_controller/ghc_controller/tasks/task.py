@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
-from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,22 +11,13 @@ from numpy.typing import NDArray
 from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.robot_model import RobotModel
+from ghc_controller.tasks.follower import Follower
 from ghc_controller.tasks.force_control import ForceControl
 from ghc_controller.tasks.kernels import task_rows
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
-UNIT_TOLERANCE = 1e-3  # a quaternion this far from unit length is refused, else normalised
 
-
-class ReferenceSpace(Enum):
-    """What the numbers of TaskTarget.position are; decides how references are interpolated."""
-
-    VECTOR = "vector"  # m numbers
-    ORIENTATION = "orientation"  # unit quaternion x, y, z, w
-    POSE = "pose"  # x, y, z, then a unit quaternion x, y, z, w
-
-
-class Task(ABC):
+class Task(Follower):
     """Turns a target into rows `jacobian @ dv -> target` of the least-squares problem.
 
     With task variable xi, reference xi* and error e, the local controller is (section 6)
@@ -40,15 +30,12 @@ class Task(ABC):
     nothing else needs to change.
 
     Attributes:
-        name: unique name, as in hierarchies and references.
-        labels: names of the m rows ("x", "y", a joint, ...).
+        name, labels, space: see Follower; one label per row.
         stiffness, damping: gains per row, (m,) [1/s^2] and [1/s].
-        space: ReferenceSpace of target positions.
         error_unit: unit of TaskRows.error on motion rows.
         force: turns rows of a task in contact into force rows; None without force control.
     """
 
-    space: ReferenceSpace = ReferenceSpace.VECTOR
     error_unit: str = "m"
     force: ForceControl | None = None
 
@@ -66,24 +53,9 @@ class Task(ABC):
             InvalidValue: a gain or reference is not finite, or a gain is negative.
             WrongSize: as many gains or reference entries as rows are expected.
         """
-        self.name = name
-        self.labels = tuple(labels)
+        super().__init__(name, labels, reference)
         self.stiffness = self._gain("stiffness", stiffness)
         self.damping = self._gain("damping", damping)
-        self._reference: TaskTarget | None = None
-        if reference is not None:
-            self._reference = self.static_target(reference)
-
-    @property
-    def size(self) -> int:
-        """Number of rows m."""
-        return len(self.labels)
-
-    @property
-    def position_size(self) -> int:
-        """Entries of TaskTarget.position: m, 4 for an orientation, 7 for a pose."""
-        sizes = {ReferenceSpace.ORIENTATION: 4, ReferenceSpace.POSE: 7}
-        return sizes.get(self.space, self.size)
 
     @property
     def force_row_mask(self) -> NDArray[np.bool_]:
@@ -125,52 +97,6 @@ class Task(ABC):
     @abstractmethod
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Fill the arrays of `out` with motion rows."""
-
-    @abstractmethod
-    def current(self, model: RobotModel) -> Array:
-        """Task variable at the last update, as TaskTarget.position, (position_size,), fresh."""
-
-    def default_target(self, model: RobotModel) -> TaskTarget:
-        """Target until a reference arrives: the configured one, else stay where it is now."""
-        return self._reference or self.static_target(self.current(model))
-
-    def static_target(self, position: Array) -> TaskTarget:
-        """Target at rest at `position`; checked, see `check_target`, quaternions normalised."""
-        values = np.array(position, dtype=np.float64)
-        target = TaskTarget(values, np.zeros(self.size), np.zeros(self.size))
-        self.check_target(target)
-        if self.space is not ReferenceSpace.VECTOR:
-            values[-4:] /= np.linalg.norm(values[-4:])
-        return target
-
-    def check_target(self, target: TaskTarget) -> None:
-        """Refuse wrong sizes, entries that are not finite and quaternions not of unit length.
-
-        Raises:
-            WrongSize, InvalidValue: name the task, the field, what was given and expected.
-        """
-        fields = {
-            "position": (target.position, self.position_size),
-            "velocity": (target.velocity, self.size),
-            "acceleration": (target.acceleration, self.size),
-            "wrench": (target.wrench, self.size),
-        }
-        for field, (value, size) in fields.items():
-            if value is None:
-                continue
-            if np.shape(value) != (size,):
-                raise WrongSize(f"task '{self.name}', {field}", np.shape(value), (size,))
-            if not np.isfinite(value).all():
-                raise InvalidValue(
-                    f"task '{self.name}', {field}: {value.tolist()} given, finite numbers expected"
-                )
-        if self.space is not ReferenceSpace.VECTOR:
-            length = float(np.linalg.norm(target.position[-4:]))
-            if abs(length - 1.0) > UNIT_TOLERANCE:
-                raise InvalidValue(
-                    f"task '{self.name}', position: quaternion of length {length:g} given,"
-                    " a unit quaternion x, y, z, w expected"
-                )
 
     def reset(self) -> None:
         """Forget what was accumulated over time: force control starts afresh."""
