@@ -49,6 +49,15 @@ class Accounts:
         if stamp_ns < self._due_ns and status is not StepStatus.FALLBACK:
             return
         self._due_ns = stamp_ns - stamp_ns % self._period_ns + self._period_ns
+        if self._state.get_subscription_count():
+            self._publish_state()
+        priorities = self._controller.priorities
+        shown = (priorities.alpha.tobytes(), priorities.in_transition, epoch)
+        if shown != self._shown_matrix:  # latched: who comes later gets the last one
+            self._shown_matrix = shown
+            self._matrix.publish(matrix_message(priorities, stamp_ns / NANOSECONDS))
+
+    def _publish_state(self) -> None:
         controller = self._controller
         report = controller.report()
         report.counts.update({f"rejected_{k}": n for k, n in self._rejections.counts.items()})
@@ -60,11 +69,6 @@ class Accounts:
         )
         message.obstacles = [obstacle_message(entry) for entry in report.obstacles]
         self._state.publish(message)
-        priorities = controller.priorities
-        shown = (priorities.alpha.tobytes(), priorities.in_transition, epoch)
-        if shown != self._shown_matrix:  # latched: who comes later gets the last one
-            self._shown_matrix = shown
-            self._matrix.publish(matrix_message(priorities, report.result.time))
 
     def publish_diagnostics(self, now: float | None, silence: str) -> None:
         """Publish counters at `now` [s], None before the first state; `silence`: who is missed."""

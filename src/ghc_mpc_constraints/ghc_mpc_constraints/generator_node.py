@@ -13,6 +13,7 @@ from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 from rclpy.task import Future
 from std_msgs.msg import Header
 
@@ -94,7 +95,9 @@ class GeneratorNode(ABC, Generic[P]):
     def start(self) -> None:
         """Listen to ticks, publish diagnostics."""
         self._diagnostics = self.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        self.listen(ControllerState, "ghc/controller_state", self._on_controller, STREAM_QOS, True)
+        self._controller: Subscription | None = self.listen(
+            ControllerState, "ghc/controller_state", self._on_controller, STREAM_QOS, True
+        )
         self.listen(Header, "ghc/tick", self._on_tick, CONTROL_SUBSCRIBER_QOS, True)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         self.node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
@@ -106,9 +109,11 @@ class GeneratorNode(ABC, Generic[P]):
         handle: Callable[[Any], None],
         qos: QoSProfile,
         raw: bool = False,
-    ) -> None:
+    ) -> Subscription:
         """Subscribe; errors of the stack end the node in order."""
-        self.node.create_subscription(kind, topic, guarded(self._stop, handle), qos, raw=raw)
+        return self.node.create_subscription(
+            kind, topic, guarded(self._stop, handle), qos, raw=raw
+        )
 
     def after_first_tick(self, handle: Callable[[], None], newest_only: bool = False) -> None:
         """Do it now, or as soon as the robot's time is known."""
@@ -171,6 +176,9 @@ class GeneratorNode(ABC, Generic[P]):
         self._held_back_ns = None
         self._started = True
         self._in_force = None
+        if self._controller is not None:  # it would wake this node at every account
+            self.node.destroy_subscription(self._controller)
+            self._controller = None
         self._tick_time = max(self._tick_time, time.perf_counter() - begun)
 
     def _waits_to_take_over(self, start_ns: int) -> bool:
