@@ -14,6 +14,7 @@ from ghc_controller.constraints.motion_plan import (
     MotionStatus,
     PlannedObstacle,
     integrate,
+    state_at,
 )
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
@@ -78,7 +79,9 @@ class ObstacleBounds:
         self._stale = False
         ramp = np.linspace(1.0, 0.0, self.horizon.steps)
         self._qp.solve(np.ones(3), ramp, np.ones_like(ramp), ramp)
-        integrate(at_rest(np.zeros(3)), np.zeros((2, 3)), settings.step)
+        still = at_rest(np.zeros(3)), np.zeros((2, 3)), settings.step
+        integrate(*still)
+        state_at(*still, 0.0)
 
     @property
     def second_opinions(self) -> int:

@@ -52,7 +52,7 @@ class ForceBoundsPlan:
         place = min(max(float(place), 0.0), float(self.lower.shape[1] - 1))
         left = min(int(place), self.lower.shape[1] - 2)
         share = place - left
-        return _between(self.lower, left, share), _between(self.upper, left, share)
+        return between_points(self.lower, left, share), between_points(self.upper, left, share)
 
     @property
     def first_rates(self) -> tuple[Array, Array]:
@@ -64,7 +64,7 @@ class ForceBoundsPlan:
 
 
 @njit(cache=True)
-def _between(values: Array, left: int, share: float) -> Array:  # pragma: no cover
+def between_points(values: Array, left: int, share: float) -> Array:  # pragma: no cover
     """Entries (c,) between the columns `left` and `left + 1` of values (c, N + 1)."""
     result = np.empty(values.shape[0])
     for k in range(values.shape[0]):
