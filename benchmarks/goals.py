@@ -60,7 +60,9 @@ def check_goals(
             with_them = " with both generators" if row["generators"] else ""
             what = f"lockstep over DDS at 1 kHz{with_them}: real time factor"
             least = _REAL_TIME_GOALS[row["generators"]]
-            checked.append(_goal(what, "", ">=", least, row["real_time_factor"]))
+            checked.append(_goal(f"{what}, all runs", "", ">=", least, row["real_time_factor"]))
+            calmest = row["calmest_real_time_factor"]
+            checked.append(_goal(f"{what}, calmest run", "", ">=", least, calmest))
     for row in mpc:
         if (row["count"], row["horizon"]) == (TICK_COUNT, TICK_HORIZON):
             handled = f"{row['count']} {row['handles']}, N T = {row['horizon']:g} s"

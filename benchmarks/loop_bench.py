@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import loop_generators
-from benchmarks.pace import Pace
+from benchmarks.pace import Pace, TakenByHost
 from ghc_controller.errors import GhcError
 from ghc_sim_bridge.cpu_placement import lockstep_placement
 from ghc_sim_bridge.experiment_nodes import EXECUTABLES
@@ -52,8 +52,11 @@ def run_loop_bench(
     tell: Callable[[str], None],
     cases: Sequence[LoopCase] = CASES,
 ) -> Iterator[dict[str, Any]]:
-    """One row per case from `rounds` runs of `duration` [s] simulated, in turns."""
-    cycles: dict[LoopCase, list[np.ndarray]] = {case: [] for case in cases}
+    """One row per case from `rounds` runs of `duration` [s] simulated, in turns.
+
+    On a shared host also the real time factor of the run from which the host took least.
+    """
+    cycles: dict[LoopCase, list[tuple[float, np.ndarray]]] = {case: [] for case in cases}
     for number in range(rounds):
         for case in cases:
             pace.take()
@@ -61,7 +64,8 @@ def run_loop_bench(
             name = case.executor + ("_generators" if case.generators else "")
             cycles[case].append(_cycle_times(folder / name, case, duration))
     for case, runs in cycles.items():
-        times = np.concatenate(runs)
+        times = np.concatenate([times for _, times in runs])
+        least_taken, calmest = min(runs, key=lambda run: run[0])
         yield {
             "executor": case.executor,
             "generators": case.generators,
@@ -70,13 +74,17 @@ def run_loop_bench(
             "steps": len(times),
             "steps_per_second": round(1.0 / float(np.mean(times)), 1),
             "real_time_factor": round(CONTROL_DT / float(np.mean(times)), 3),
+            "calmest_real_time_factor": round(CONTROL_DT / float(np.mean(calmest)), 3),
+            "taken_by_host": round(float(np.mean([taken for taken, _ in runs])), 3),
+            "least_taken_by_host": round(least_taken, 3),
             "cycle_p50_us": round(float(np.percentile(times, 50.0)) * 1e6, 1),
             "cycle_p99_us": round(float(np.percentile(times, 99.0)) * 1e6, 1),
         }
 
 
-def _cycle_times(folder: Path, case: LoopCase, duration: float) -> np.ndarray:
-    """Wall seconds of each cycle of one run, from the bridge's own log."""
+def _cycle_times(folder: Path, case: LoopCase, duration: float) -> tuple[float, np.ndarray]:
+    """Share of CPU time that the host took during one run, and wall seconds of each of its cycles,
+    from the bridge's own log."""
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "log.npz"
     log.unlink(missing_ok=True)
@@ -90,6 +98,7 @@ def _cycle_times(folder: Path, case: LoopCase, duration: float) -> np.ndarray:
     placement = lockstep_placement(parameters, domain.id)
     planner = loop_generators.published_schedule(domain.id, folder)
     try:
+        host = TakenByHost()
         with (
             planner if case.generators else nullcontext(),
             NodeProcesses(folder, environment, placement) as nodes,
@@ -97,9 +106,10 @@ def _cycle_times(folder: Path, case: LoopCase, duration: float) -> np.ndarray:
             for name, values in parameters.items():
                 nodes.start(name, *EXECUTABLES[name], _arguments(values))
             _wait_for(log, nodes)
+            taken = host.share()
     finally:
         domain.release()
-    return FullRateLog.load(log).cycle_time[_SETTLING:]
+    return taken, FullRateLog.load(log).cycle_time[_SETTLING:]
 
 
 def _parameters(folder: Path, case: LoopCase, stop_time: float) -> dict[str, dict[str, Any]]:

@@ -28,7 +28,7 @@ from benchmarks.step_bench import FULL, QUICK, REGIMES, run_step_bench
 from benchmarks.tables import REGIME_TITLES, goal_table, loop_table, robots_of, step_table
 from tools.workspace.layout import Layout
 
-_LOOP = (6.0, 3)  # [s] simulated per run, runs per executor
+_LOOP = (4.0, 6)  # [s] simulated per run, runs per executor
 _QUICK_LOOP = (1.0, 1)
 _STANDING = (5, 40, 5)  # segments, steps in each, rounds
 _QUICK_STANDING = (1, 10, 1)
