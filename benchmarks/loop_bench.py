@@ -95,7 +95,9 @@ def _cycle_times(folder: Path, case: LoopCase, duration: float) -> tuple[float, 
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     parameters = _parameters(folder, case, duration + _SETTLING * CONTROL_DT)
-    placement = lockstep_placement(parameters, domain.id)
+    # rclpy's own executor works long after each message, while the partner could go on.
+    shared = case.executor == "events"
+    placement = lockstep_placement(parameters, domain.id) if shared else {}
     planner = loop_generators.published_schedule(domain.id, folder)
     try:
         host = TakenByHost()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from ghc_controller.cdr import NANOSECONDS
 from ghc_controller.errors import InvalidValue
@@ -21,6 +23,11 @@ class JointStateReader:
 
     def __init__(self, joint_names: Sequence[str]) -> None:
         self._joints = tuple(joint_names)
+        # Compile now: what comes from the wire cannot be written to, decoded messages can.
+        for writeable in (False, True):
+            values = np.zeros(1)
+            values.flags.writeable = writeable
+            in_order(values, np.zeros(1, dtype=np.int64))
         self._names: tuple[str, ...] | None = None
         self._index = np.zeros(0, dtype=np.int64)
 
@@ -65,8 +72,18 @@ class JointStateReader:
                 f"joint_states.{field}: {given.shape[0]} entries given, "
                 f"{len(self._names or ())} expected (one per name)"
             )
-        values: Array = given[self._index]
-        if not np.isfinite(values).all():
+        values, finite = in_order(given, self._index)
+        if not finite:
             bad = self._joints[int(np.argmin(np.isfinite(values)))]
             raise InvalidValue(f"joint_states.{field}: not a finite number at joint '{bad}'")
         return values
+
+
+@njit(cache=True)
+def in_order(values: Array, index: NDArray[np.int64]) -> tuple[Array, bool]:  # pragma: no cover
+    """The entries at `index` (n,), and whether all of them are finite."""
+    ordered, finite = np.empty(index.shape[0]), True
+    for k in range(index.shape[0]):
+        ordered[k] = values[index[k]]
+        finite = finite and np.isfinite(ordered[k])
+    return ordered, finite

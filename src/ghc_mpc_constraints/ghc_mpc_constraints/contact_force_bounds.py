@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus, between_points
+from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus, bounds_at
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 from ghc_mpc_constraints.contact_schedule import ContactSchedule, RawBounds, preview
@@ -56,7 +56,7 @@ class ContactForceBounds:
         self._plan: ForceBoundsPlan | None = None
         ones = np.ones(self.horizon.steps)
         self._qp.solve((0.0, 2.0), 0.0 * ones, np.linspace(2.0, 1.0, len(ones)))
-        between_points(np.zeros((1, 2)), 0, 0.0)
+        bounds_at(np.zeros((1, 2)), np.zeros((1, 2)), 0.0, True)
 
     @property
     def second_opinions(self) -> int:

@@ -14,6 +14,7 @@ from ghc_controller.joint_state_cdr import (
     JointStateFields,
     JointStateValues,
 )
+from ghc_controller.joint_state_reader import in_order
 
 Array = NDArray[np.float64]
 
@@ -67,8 +68,8 @@ class CommandDecoder:
             raise CommandRejected(
                 "header.frame_id", f"epoch '{values.frame_id}' given, '{epoch}' expected"
             )
-        effort: Array = values.effort[self._order]
-        if not np.isfinite(effort).all():
+        effort, finite = in_order(values.effort, self._order)
+        if not finite:
             pairs = zip(self._joint_names, effort, strict=True)
             bad = [f"{name} is {value}" for name, value in pairs if not np.isfinite(value)]
             raise CommandRejected("effort", ", ".join(bad))
@@ -80,7 +81,7 @@ class CommandDecoder:
         if len(values.effort) != n:
             raise CommandRejected("effort", f"size {len(values.effort)} given, {n} expected")
         place = {name: k for k, name in enumerate(values.name)}
-        self._order = np.array([place[name] for name in self._joint_names], dtype=np.intp)
+        self._order = np.array([place[name] for name in self._joint_names], dtype=np.int64)
         self._checked = values.name
 
     def _check_names(self, names: tuple[str, ...]) -> None:

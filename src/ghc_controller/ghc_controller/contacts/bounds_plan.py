@@ -46,13 +46,7 @@ class ForceBoundsPlan:
 
     def at(self, time: float) -> tuple[Array, Array]:
         """Lower and upper bounds (c,) [N] at a time [s]; the ends are held outside the plan."""
-        place = (time - self.start) / self.step
-        if not self.smoothed:
-            place = np.floor(place + 1e-6)
-        place = min(max(float(place), 0.0), float(self.lower.shape[1] - 1))
-        left = min(int(place), self.lower.shape[1] - 2)
-        share = place - left
-        return between_points(self.lower, left, share), between_points(self.upper, left, share)
+        return bounds_at(self.lower, self.upper, (time - self.start) / self.step, self.smoothed)
 
     @property
     def first_rates(self) -> tuple[Array, Array]:
@@ -64,9 +58,20 @@ class ForceBoundsPlan:
 
 
 @njit(cache=True)
-def between_points(values: Array, left: int, share: float) -> Array:  # pragma: no cover
-    """Entries (c,) between the columns `left` and `left + 1` of values (c, N + 1)."""
-    result = np.empty(values.shape[0])
-    for k in range(values.shape[0]):
-        result[k] = (1.0 - share) * values[k, left] + share * values[k, left + 1]
-    return result
+def bounds_at(
+    lower: Array, upper: Array, place: float, smoothed: bool
+) -> tuple[Array, Array]:  # pragma: no cover
+    """Bounds (c,) at a place [points from the first] of points lower, upper (c, N + 1).
+
+    Straight lines between points, or each point until the next one.
+    """
+    if not smoothed:
+        place = np.floor(place + 1e-6)
+    place = min(max(place, 0.0), lower.shape[1] - 1.0)
+    left = min(int(place), lower.shape[1] - 2)
+    share = place - left
+    low, high = np.empty(lower.shape[0]), np.empty(lower.shape[0])
+    for k in range(lower.shape[0]):
+        low[k] = (1.0 - share) * lower[k, left] + share * lower[k, left + 1]
+        high[k] = (1.0 - share) * upper[k, left] + share * upper[k, left + 1]
+    return low, high
