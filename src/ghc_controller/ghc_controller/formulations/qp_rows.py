@@ -6,11 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ghc_controller.formulations.box_kernels import box_rows, normalize_rows
-from ghc_controller.formulations.problem import ContactRows
+from ghc_controller.formulations.box_kernels import box_rows
+from ghc_controller.formulations.problem import AccelerationRows, ContactRows
 from ghc_controller.formulations.reduction import ReducedProblem
+from ghc_controller.formulations.row_kernels import stacked_rows
 from ghc_controller.qp import QpProblem
 from ghc_controller.types import Array, Bounds
+
+_NONE = np.zeros(0)
 
 
 class Parametrization(NamedTuple):
@@ -76,9 +79,9 @@ def build_qp(
             torque.upper,
         )
     else:
-        rows, lower, upper, hard_start = _all_rows(reduced, parametrization, torque)
-        norm = normalize_rows(rows, lower, upper)
-        contacts = source.contacts
+        rows, lower, upper, norm = _all_rows(reduced, parametrization, torque)
+        general, contacts = source.rows, source.contacts
+        hard_start = source.bias.shape[0] + (0 if general is None else general.lower.shape[0])
         bounds_end = hard_start + (0 if contacts is None else contacts.bounds)
     problem = QpProblem(hessian, gradient, *_balance(reduced, parametrization), rows, lower, upper)
     return SoftQp(problem, hard_start, bounds_end, norm)
@@ -86,36 +89,32 @@ def build_qp(
 
 def _all_rows(
     reduced: ReducedProblem, parametrization: Parametrization, torque: Bounds
-) -> tuple[Array, Array, Array, int]:
-    """Rows (r, p), their bounds (r,), and how many of them are soft."""
-    source, factor = reduced.source, parametrization.acceleration_factor
-    if reduced.basis is None:
-        x_factor, x_offset = factor, parametrization.acceleration
-    else:
-        x_factor = reduced.basis @ factor
-        x_offset = reduced.accelerations(parametrization.acceleration)
-    blocks = [x_factor]
-    lower = [source.acceleration.lower - x_offset]
-    upper = [source.acceleration.upper - x_offset]
-    if source.rows is not None:
-        value = source.rows.matrix @ x_offset
-        blocks.append(source.rows.matrix @ x_factor)
-        lower.append(source.rows.lower - value)
-        upper.append(source.rows.upper - value)
-    hard_start = sum(block.shape[0] for block in blocks)
-    if source.contacts is not None:
-        value = source.contacts.force_matrix @ parametrization.force
-        blocks.append(source.contacts.force_matrix @ parametrization.force_factor)
-        lower.append(source.contacts.force_lower - value)
-        upper.append(source.contacts.force_upper - value)
-    tau = reduced.torque_offset + reduced.torque_matrix @ parametrization.acceleration
-    tau = tau + reduced.torque_force @ parametrization.force
-    blocks.append(
-        reduced.torque_matrix @ factor + reduced.torque_force @ parametrization.force_factor
+) -> tuple[Array, Array, Array, Array]:
+    """Normalised rows (r, p), their bounds and their norms (r,)."""
+    source = reduced.source
+    n, c = source.bias.shape[0], parametrization.force.shape[0]
+    general = source.rows or AccelerationRows(np.zeros((0, n)), _NONE, _NONE, ())
+    contacts = source.contacts
+    forces = (
+        (np.zeros((0, c)), _NONE, _NONE)
+        if contacts is None
+        else (contacts.force_matrix, contacts.force_lower, contacts.force_upper)
     )
-    lower.append(torque.lower - tau)
-    upper.append(torque.upper - tau)
-    return np.vstack(blocks), np.concatenate(lower), np.concatenate(upper), hard_start
+    identity = reduced.basis is None or reduced.offset is None
+    return stacked_rows(
+        np.zeros((0, n)) if identity else reduced.basis,
+        _NONE if identity else reduced.offset,
+        *parametrization,
+        source.acceleration.lower,
+        source.acceleration.upper,
+        *general[:3],
+        *forces,
+        reduced.torque_matrix,
+        reduced.torque_offset,
+        reduced.torque_force,
+        torque.lower,
+        torque.upper,
+    )
 
 
 def _balance(reduced: ReducedProblem, parametrization: Parametrization) -> tuple[Array, Array]:
