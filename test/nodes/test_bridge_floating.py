@@ -13,11 +13,8 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros_conversions import (
-    CONTROL_SUBSCRIBER_QOS,
-    base_from_bytes,
-    nanoseconds_from_time,
-)
+from ghc_controller.ros_conversions import CONTROL_SUBSCRIBER_QOS, nanoseconds_from_time
+from ghc_controller.state_conversions import base_from_bytes
 from ghc_sim_bridge.full_rate_log import FullRateLog, Source
 from ghc_sim_bridge.simulator import Simulator
 

@@ -21,9 +21,9 @@ from docs.interface_tables import NODES
 from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.hierarchy import matrix_from_hierarchy
 from ghc_controller.parameters import ControllerParameters
+from ghc_controller.request_conversions import reference_from_message, transition_from_message
 from ghc_controller.robot_config import load_robot_config
 from ghc_controller.robots import find_robot
-from ghc_controller.ros_conversions import reference_from_message, transition_from_message
 from ghc_controller.transition_node import _parser as transition_arguments
 from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.phase_table import phase_table

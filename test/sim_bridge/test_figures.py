@@ -11,11 +11,12 @@ from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import Analysis, analyse
 from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.figure_style import envelope, save_png, short_hierarchy
-from ghc_sim_bridge.figures import alpha_panels, run_figures
+from ghc_sim_bridge.figures import run_figures
 from ghc_sim_bridge.phase_table import phase_table
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
 from ghc_sim_bridge.summary import make_summary, rounded, write_json
+from ghc_sim_bridge.task_figure import alpha_panels
 
 DT = 1e-3
 JOINTS = tuple(f"joint_{k}" for k in range(1, 8))

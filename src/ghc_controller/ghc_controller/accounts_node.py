@@ -9,6 +9,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import ControllerState, PriorityMatrix
 from rclpy.node import Node
 
+from ghc_controller.account_conversions import controller_state_message, matrix_message
 from ghc_controller.controller import Controller
 from ghc_controller.plan_conversions import obstacle_message
 from ghc_controller.rejections import Rejections
@@ -17,9 +18,7 @@ from ghc_controller.ros_conversions import (
     LATCHED_QOS,
     NANOSECONDS,
     STREAM_QOS,
-    controller_state_message,
     diagnostics_message,
-    matrix_message,
 )
 
 

@@ -47,11 +47,9 @@ from ghc_controller.ros_conversions import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
     NANOSECONDS,
-    base_from_bytes,
-    read_joint_state,
-    wrench_from_bytes,
 )
 from ghc_controller.run_node import guarded, run_node
+from ghc_controller.state_conversions import base_from_bytes, read_joint_state, wrench_from_bytes
 from ghc_controller.state_gate import StateGate, Verdict
 from ghc_controller.tick_announcer import TickAnnouncer
 

@@ -16,13 +16,13 @@ from rclpy.task import Future
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.hierarchy import TransitionEvent
-from ghc_controller.ros_conversions import (
-    RELIABLE_QOS,
+from ghc_controller.request_conversions import (
     event_message,
     reference_from_message,
     status_message,
     transition_from_message,
 )
+from ghc_controller.ros_conversions import RELIABLE_QOS
 from ghc_controller.run_node import guarded
 
 

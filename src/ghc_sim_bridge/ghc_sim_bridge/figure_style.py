@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from ghc_sim_bridge.analysis import Analysis
 from ghc_sim_bridge.run_plan import PlannedPhase
 
 # Okabe and Ito: distinct for every kind of colour vision.
@@ -103,3 +104,11 @@ def save_png(figure: Figure, path: Path) -> None:
     with Image.open(path) as image:
         small = image.convert("RGB").quantize(_PALETTE, dither=Image.Dither.NONE)
     small.save(path, optimize=True)
+
+
+def run_title(analysis: Analysis) -> str:
+    """What ran: scenario, formulation, transitions, control period."""
+    plan = analysis.plan
+    ramp = f"transitions of {plan.transition:g} s" if plan.transition else "switched at once"
+    period = f"control period {1e3 * analysis.log.control_dt:g} ms"
+    return f"{plan.scenario.title} ({plan.formulation}, {ramp}, {period})"

@@ -39,9 +39,9 @@ from ghc_controller.ros_conversions import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
     diagnostics_message,
-    read_joint_state,
 )
 from ghc_controller.run_node import guarded, run_node
+from ghc_controller.state_conversions import read_joint_state
 from ghc_sim_bridge.bridge_diagnostics import EXPECTED, BridgeDiagnostics
 from ghc_sim_bridge.command_decoder import CommandDecoder, CommandRejected
 from ghc_sim_bridge.control_cycle import NANOSECONDS, ControlCycle
