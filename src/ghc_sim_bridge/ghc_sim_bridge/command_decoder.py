@@ -14,7 +14,6 @@ from ghc_controller.joint_state_cdr import (
     JointStateFields,
     JointStateValues,
 )
-from ghc_controller.joint_state_reader import in_order
 
 Array = NDArray[np.float64]
 
@@ -68,8 +67,8 @@ class CommandDecoder:
             raise CommandRejected(
                 "header.frame_id", f"epoch '{values.frame_id}' given, '{epoch}' expected"
             )
-        effort, finite = in_order(values.effort, self._order)
-        if not finite:
+        effort: Array = values.effort[self._order]
+        if not np.isfinite(effort).all():
             pairs = zip(self._joint_names, effort, strict=True)
             bad = [f"{name} is {value}" for name, value in pairs if not np.isfinite(value)]
             raise CommandRejected("effort", ", ".join(bad))
