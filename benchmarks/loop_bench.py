@@ -65,7 +65,8 @@ def run_loop_bench(
             cycles[case].append(_cycle_times(folder / name, case, duration))
     for case, runs in cycles.items():
         times = np.concatenate([times for _, times in runs])
-        least_taken, calmest = min(runs, key=lambda run: run[0])
+        # To a percent: among runs that were left alone the fastest one counts.
+        least_taken, calmest = min(runs, key=lambda run: (round(run[0], 2), run[1].mean()))
         yield {
             "executor": case.executor,
             "generators": case.generators,
