@@ -69,11 +69,11 @@ class PlanInbox:
         for name, waiting in self._waiting.items():
             if not waiting:
                 continue
-            begun = [plan for plan in waiting if plan[:2] <= (epoch, now_ns)]
+            begun = [message for of, start, message in waiting if of == epoch and start <= now_ns]
             self._waiting[name] = [plan for plan in waiting if plan[:2] > (epoch, now_ns)]
-            if not begun or begun[-1][0] != epoch:
+            if not begun:
                 continue
-            message = begun[-1][2]
+            message = begun[-1]
             try:
                 self._follow(message)
             except GhcError as error:
