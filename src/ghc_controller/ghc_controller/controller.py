@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -9,10 +10,16 @@ import numpy as np
 
 from ghc_controller.braking import braking_torque
 from ghc_controller.constraints.obstacle import ObstacleDistance
-from ghc_controller.contacts import BoundsInForce, ContactSensing, ContactSet
+from ghc_controller.contacts import BoundsInForce, ContactSensing, ContactSet, NormalBounds
 from ghc_controller.controller_settings import ControllerSettings, make_constraints
 from ghc_controller.errors import UnknownName
-from ghc_controller.formulations import ControlProblem, SolutionStatus, make_formulation
+from ghc_controller.formulations import (
+    ContactRows,
+    ControlProblem,
+    Solution,
+    SolutionStatus,
+    make_formulation,
+)
 from ghc_controller.hierarchy import (
     Transition,
     TransitionEvent,
@@ -64,7 +71,9 @@ class Controller:
         self.references = ReferenceSchedule(robot.tasks)
         self.stack = TaskStack(robot.tasks, self.model.nv)
         self.constraints = make_constraints(robot, self.settings)
-        self.contacts = ContactSet(robot.contacts)
+        self.contacts = ContactSet(
+            robot.contacts, self.model.weight if self.model.floating_base else 0.0
+        )
         self.force_bounds = BoundsInForce(robot.contacts)
         self.sensing = ContactSensing(robot.contacts, self.force_bounds)
         self.obstacles = ObstacleDistance(self.model, self.settings.obstacle_horizon)
@@ -108,6 +117,7 @@ class Controller:
         self.priorities.reset()
         self.force_bounds.reset()
         self.sensing.reset()
+        self.contacts.reset()
         self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
@@ -169,7 +179,12 @@ class Controller:
         applied = self._applied if state.torque is None else state.torque
         limits = self._limits = self._update_limits(dynamics, state, applied)
         after_terms = perf_counter()
-        solution = self.formulation.solve(self.problem())
+        solution = self._solve(limits)
+        if self._last is None and limits.contact_rows is not None:
+            # The cost on contact forces knows none yet; once more, so that the next step is small.
+            rows = self._contact_rows(limits.normal_bounds, state.time)
+            limits = self._limits = replace(limits, contact_rows=rows)
+            solution = self._solve(limits)
         after_solve = perf_counter()
         status = _STATUS[solution.status]
         if status is StepStatus.FALLBACK:
@@ -259,10 +274,18 @@ class Controller:
         self.counts["stale_ticks"] += bool(bounds.stale) or self.obstacles.is_stale(state.time)
         return Limits(
             boxes,
-            self.contacts.rows(self.model, bounds, self.force_references, state.time),
+            self._contact_rows(bounds, state.time),
             bounds,
             self.obstacles.rows(state.time),
         )
+
+    def _contact_rows(self, bounds: NormalBounds, time: float) -> ContactRows | None:
+        return self.contacts.rows(self.model, bounds, self.force_references, time)
+
+    def _solve(self, limits: Limits) -> Solution:
+        solution = self.formulation.solve(self.problem())
+        self.contacts.remember(limits.normal_bounds.active, solution.force)
+        return solution
 
     def sigma_min_of(self, alpha: Array) -> float:
         """Smallest singular value of [P_1 .. P_k] at the present configuration."""

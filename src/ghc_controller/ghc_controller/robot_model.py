@@ -66,6 +66,7 @@ class RobotModel:
         self._mass_matrix_view, self._bias_view = self._data.M, self._data.nle
         self._momentum_view = self._data.Ag
         self._gravity_vector = np.array(model.gravity.linear)
+        self.weight = self.mass * float(np.linalg.norm(self._gravity_vector))  # [N]
         self._gravity: Array | None = None
         self._com_is_current = False
         self._zero = np.zeros(self.nv)

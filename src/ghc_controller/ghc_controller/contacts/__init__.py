@@ -4,6 +4,7 @@ from ghc_controller.contacts.bounds_in_force import BoundsInForce, NormalBounds
 from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus
 from ghc_controller.contacts.contact import Contact, ContactForceTask, OnStale
 from ghc_controller.contacts.contact_set import ContactSet
+from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.sensing import ContactSensing, Sensing
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "ContactSensing",
     "ContactSet",
     "ForceBoundsPlan",
+    "ForceCost",
     "NormalBounds",
     "OnStale",
     "PlanStatus",

@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from ghc_controller.contacts.bounds_in_force import NormalBounds
 from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.kernels import force_limits, write_contact
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import ContactRows
 from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.robot_model import RobotModel
-from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
 
-_FORCE_WEIGHT = 1e-4  # [-] on |f|^2, beside the unit weight of task accelerations
 _STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
 CARRIES = 0.1  # [N] of normal force: below it the share of friction is noise
 _PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
@@ -44,15 +43,16 @@ class _Layout:
     force_matrix: Array  # (r, c)
     names: tuple[str, ...]  # (r,)
     normals: Array  # (contacts on, c) sums of their normal forces
-    free_center: Array  # (c,) force cost without a force task
-    free_factor: Array  # (c, c)
 
 
 class ContactSet:
     """All contacts of a robot; which of them are on may change from tick to tick."""
 
-    def __init__(self, contacts: Sequence[Contact]) -> None:
+    def __init__(self, contacts: Sequence[Contact], weight_force: float = 0.0) -> None:
         """Take contacts in the order of the robot's file.
+
+        Args:
+            weight_force: [N] of a robot that stands on them; 0 where it is fixed.
 
         Raises:
             InvalidValue: two share a name.
@@ -62,6 +62,7 @@ class ContactSet:
         for name in self.names:
             if self.names.count(name) > 1:
                 raise InvalidValue(f"contact name '{name}' is given twice; names must differ")
+        self._cost = ForceCost(self.contacts, weight_force)
         self._layouts: dict[tuple[bool, ...], _Layout] = {}
 
     def rows(
@@ -82,7 +83,7 @@ class ContactSet:
         layout = self._layouts.get(bounds.active)
         if layout is None:
             layout = self._layouts[bounds.active] = _layout(self.contacts, bounds.active)
-        q, c = layout.motion_rows, layout.free_center.shape[0]
+        q, c = layout.motion_rows, layout.normals.shape[1]
         force_jacobian = np.empty((c, model.nv))
         jacobian, drift_target = np.empty((q, model.nv)), np.empty(q)
         for contact, axes, force, motion in layout.parts:
@@ -103,7 +104,7 @@ class ContactSet:
         lower, upper = force_limits(
             bounds.lower, bounds.upper, layout.places, layout.force_matrix.shape[0]
         )
-        center, factor = self._force_cost(layout, references, time)
+        center, factor = self._cost.of(layout.places, references, time)
         return ContactRows(
             jacobian,
             drift_target,
@@ -116,6 +117,23 @@ class ContactSet:
             layout.names,
             len(layout.parts),
         )
+
+    def remember(self, active: tuple[bool, ...], force: Array) -> None:
+        """Take the forces (c,) of the QP, with the contacts that were on; the next rows need them.
+
+        Without forces, where no QP was solved, those of the step before stay.
+        """
+        for place, on in enumerate(active):
+            if not on:
+                self._cost.remember(place, None)
+        layout = self._layouts.get(active)
+        if layout is not None and force.shape[0]:
+            for place, part in zip(layout.places, layout.parts, strict=True):
+                self._cost.remember(int(place), force[part.force])
+
+    def reset(self) -> None:
+        """Forget the forces of the step before."""
+        self._cost.reset()
 
     def normal_forces(self, active: tuple[bool, ...], force: Array) -> Array:
         """Normal force [N] of every contact, zero where it is off, of forces (c,) of the QP."""
@@ -140,30 +158,6 @@ class ContactSet:
                 points = force[part.force].reshape(-1, part.axes.shape[0])
                 use[place] = largest_friction_use(points, contact.friction)
         return use
-
-    def _force_cost(
-        self, layout: _Layout, references: ReferenceSchedule, time: float
-    ) -> tuple[Array, Array]:
-        """Centre (c,) and factor (c, c) of the cost on forces, as in ContactRows."""
-        pulls = []  # (contact on, weight, force [N]) of each task
-        for k, part in enumerate(layout.parts):
-            task = part.contact.force_task
-            if task is None:
-                continue
-            target = references.current(task.name, time)
-            weight = task.weight * min(max(float(target.position[0]), 0.0), 1.0)
-            if target.wrench is not None and weight > 0.0:
-                pulls.append((k, weight, target.wrench[0]))
-        if not pulls:
-            return layout.free_center, layout.free_factor
-        c = layout.free_center.shape[0]
-        hessian, pull = _FORCE_WEIGHT * np.eye(c), np.zeros(c)
-        for k, weight, force in pulls:
-            normal = layout.normals[k]
-            hessian += weight * np.outer(normal, normal)
-            pull += weight * force * normal
-        factor = inverse_factor(hessian)
-        return factor @ (factor.T @ pull), factor
 
 
 def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
@@ -195,8 +189,6 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
         matrix,
         tuple(names),
         normals,
-        np.zeros(c),
-        np.eye(c) / np.sqrt(_FORCE_WEIGHT),
     )
 
 

@@ -86,6 +86,49 @@ def force_limits(
 
 
 @numba.njit(cache=True)
+def force_hessian(
+    base: float,
+    share: float,
+    least: float,
+    task: float,
+    reference: float,
+    axes: int,
+    last: Array,
+) -> tuple[Array, Array]:  # pragma: no cover
+    """Hessian H (c, c) and pull H f_0 (c,) of the cost on the forces of one contact.
+
+    base |f|^2 + share (|u - r F|^2 / F_0 + 2 r^T u - |r|^2 F) + task (F - reference)^2, halved,
+    with the letters of ForceCost; `axes` forces to a point, the normal one last; last (c,) [N]
+    gives r and F_0, which is at least `least`.
+    """
+    c = last.shape[0]
+    points = c // axes
+    load = 0.0
+    for i in range(axes - 1, c, axes):
+        load += last[i]
+    ratio, square = np.empty(c), 0.0  # r and |r|^2
+    held = max(load, least)
+    for i in range(c):
+        even = load / points if i % axes == axes - 1 else 0.0
+        ratio[i] = (last[i] - even) / held
+        square += ratio[i] ** 2
+    scale = share / held
+    hessian, pull = np.zeros((c, c)), np.empty(c)
+    for i in range(c):
+        hessian[i, i] = base + scale
+        pull[i] = -share * ratio[i]
+    for i in range(c):
+        for j in range(axes - 1, c, axes):
+            hessian[i, j] -= scale * ratio[i]
+            hessian[j, i] -= scale * ratio[i]
+    for i in range(axes - 1, c, axes):
+        pull[i] += 0.5 * share * square + task * reference
+        for j in range(axes - 1, c, axes):
+            hessian[i, j] += scale * (square - 1.0 / points) + task
+    return hessian, pull
+
+
+@numba.njit(cache=True)
 def _cross(left: Array, right: Array, out: Array) -> None:  # pragma: no cover
     out[0] = left[1] * right[2] - left[2] * right[1]
     out[1] = left[2] * right[0] - left[0] * right[2]

@@ -1,0 +1,91 @@
+"""The cost on contact forces: what decides among forces that give the same motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.kernels import force_hessian
+from ghc_controller.reference_schedule import ReferenceSchedule
+from ghc_controller.small_factors import inverse_factor
+from ghc_controller.types import Array
+
+_WEIGHT = 1e-4  # [-] on |f|^2, beside the unit weight of task accelerations
+_LEAST_LOAD = 2.0  # [N] below it a contact counts as no lighter
+
+
+class ForceCost:
+    """Small forces, each contact used in proportion to what it carries, and force tasks.
+
+    With F = e^T f, the sum of the normal forces of one contact's p points, and u = f - e F / p,
+    what moves its centre of pressure and what friction holds, the cost of a contact is
+
+        weight (|f|^2 + W |u|^2 / F) + task weight (F - F_ref)^2.
+
+    |f|^2 alone lets a foot that carries a tenth of the weight W give half of the moment: it then
+    stands on its edge, with all its friction used, and tips at the least model error. The second
+    term leads to like shares u / F at every contact. It is convex; each step takes its expansion
+    of second order at the forces f_0 of the step before, with r = u_0 / F_0,
+
+        |u|^2 / F ~ |u - r F|^2 / F_0 + 2 r^T u - |r|^2 F,
+
+    so that over the steps the forces are those of the least cost (Newton's method).
+    """
+
+    def __init__(self, contacts: Sequence[Contact], weight_force: float) -> None:
+        """Take W [N] of a robot that stands on its contacts; 0 leaves |f|^2 and force tasks."""
+        self._contacts = tuple(contacts)
+        self._share = _WEIGHT * weight_force
+        self._last = [
+            np.zeros(contact.points.shape[0] * contact.force_axes.shape[0])
+            for contact in self._contacts
+        ]
+
+    def reset(self) -> None:
+        """Forget the forces of the step before."""
+        for force in self._last:
+            force[:] = 0.0
+
+    def remember(self, place: int, force: Array | None) -> None:
+        """Take the forces of the contact at `place` from the QP; None: it is off."""
+        self._last[place][:] = 0.0 if force is None else force
+
+    def of(
+        self, places: NDArray[np.intp], references: ReferenceSchedule, time: float
+    ) -> tuple[Array, Array]:
+        """Centre (c,) [N] and factor (c, c) of the contacts at `places`, as in ContactRows.
+
+        Args:
+            references: of the force tasks, by the name of the contact.
+            time: [s].
+        """
+        c = sum(self._last[place].shape[0] for place in places)
+        center, factor = np.zeros(c), np.zeros((c, c))
+        end = 0
+        for place in places:
+            contact, last = self._contacts[place], self._last[place]
+            begin, end = end, end + last.shape[0]
+            weight, force = _force_task(contact, references, time)
+            hessian, pull = force_hessian(
+                _WEIGHT, self._share, _LEAST_LOAD, weight, force, contact.force_axes.shape[0], last
+            )
+            block = inverse_factor(hessian)
+            center[begin:end] = block @ (block.T @ pull)
+            factor[begin:end, begin:end] = block
+        return center, factor
+
+
+def _force_task(
+    contact: Contact, references: ReferenceSchedule, time: float
+) -> tuple[float, float]:
+    """Weight [-] of a contact's force task at `time` [s] and its force [N]; zeros without one."""
+    if contact.force_task is None:
+        return 0.0, 0.0
+    target = references.current(contact.force_task.name, time)
+    if target.wrench is None:
+        return 0.0, 0.0
+    share = min(max(float(target.position[0]), 0.0), 1.0)
+    return contact.force_task.weight * share, float(target.wrench[0])
