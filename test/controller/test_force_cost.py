@@ -8,10 +8,11 @@ from scipy.optimize import minimize
 
 from ghc_controller.config import Fields
 from ghc_controller.contacts import Contact, ForceCost
+from ghc_controller.controller import Controller
 from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.robot_config import RobotConfig, load_robot_config
 from ghc_controller.robots import find_robot
-from ghc_controller.types import Array
+from ghc_controller.types import Array, RobotState
 
 WEIGHT = 1e-4  # [-] on |f|^2
 STANDING = 300.0  # [N] W
@@ -119,6 +120,19 @@ def test_reset_forgets(robot: RobotConfig) -> None:
         strict=True,
     ):
         assert np.array_equal(left, right)
+
+
+def test_a_repeated_state_keeps_its_torque() -> None:
+    """The first step knows no forces and solves twice: the next one is not felt."""
+    controller = Controller.for_robot("icub")
+    model = controller.model
+    q = model.q.copy()
+    legs = {"hip_pitch": 0.41, "knee": -0.9, "ankle_pitch": -0.49}
+    for place, name in enumerate(model.joint_names, start=model.nq - model.na):
+        q[place] = legs.get(name[2:], 0.0)
+    states = [RobotState(1e-3 * k, q, np.zeros(model.nv)) for k in range(2)]
+    first, second = (controller.step(state).torque for state in states)
+    assert np.allclose(first, second, atol=1e-4)
 
 
 def _balance() -> Array:
