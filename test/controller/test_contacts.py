@@ -190,7 +190,7 @@ def test_a_plan_for_an_unknown_contact_is_refused(robot: RobotConfig) -> None:
     ("fields", "words"),
     [
         ({"frame": "nose"}, "frame: 'nose' given; known: "),
-        ({"points": [[0, 0]]}, "points: a list of points"),
+        ({"points": [[0, 0]]}, "points[0]: 3 numbers expected, 2 given"),
         ({"friction": -0.1}, "friction: a number >= 0 expected"),
         ({"force_lower": 5.0, "force_upper": 1.0}, "force_lower: 5 N given"),
         ({"on_stale": "drop"}, "on_stale: 'drop' given; known: hold, release"),

@@ -101,11 +101,11 @@ def test_a_task_without_a_reference_stays_where_it_is(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"name": None}, "name: missing"),
+        ({"name": None}, "name: missing; given: hierarchy, tasks, urdf"),
         ({"urdf": "gone.urdf"}, "gone.urdf: robot model does not exist"),
         ({"floating_base": "no"}, "floating_base: true or false expected, 'no' given"),
         ({"colour": "red"}, "colour: unknown field; known: name, urdf, floating_base, limits"),
-        ({"tasks": []}, "tasks: a list of mappings expected, [] given"),
+        ({"tasks": []}, "tasks: at least one entry expected, none given"),
         ({"tasks": [FOOT, FOOT]}, "tasks[1].name: 'foot' is already taken by another task"),
         ({"tasks": ["foot"]}, "tasks[0]: a mapping expected, 'foot' given"),
         (
@@ -124,6 +124,14 @@ def test_a_task_without_a_reference_stays_where_it_is(tmp_path: Path) -> None:
         (
             {"tasks": [FOOT | {"stiffness": "high"}]},
             "tasks[0].stiffness: 3 numbers expected, 'high' given",
+        ),
+        (
+            {"tasks": [FOOT | {"stiffness": [1.0, 2.0]}]},
+            "tasks[0].stiffness: 3 numbers expected, 2 given: [1.0, 2.0]",
+        ),
+        (
+            {"tasks": [FOOT | {"stiffness": [1.0, "high", 2.0]}]},
+            "tasks[0].stiffness[1]: a number expected, 'high' given",
         ),
         (
             {"tasks": [FOOT | {"stiffness": -1.0}]},
@@ -158,9 +166,11 @@ def test_a_task_without_a_reference_stays_where_it_is(tmp_path: Path) -> None:
             "limits.torque: torque of 'hip': -2.0 given, a positive number expected",
         ),
         ({"limits": {"torque": "much"}}, "limits.torque: a number or a mapping name: number"),
+        ({"limits": {"torque": {"knee": None}}}, "limits.torque.knee: missing; given: nothing"),
+        ({"limits": {"torque_rate": np.inf}}, "a finite number >= 1e-06 expected, inf given"),
         ({"limits": {"torque_rate": 0}}, "limits.torque_rate: a number >= 1e-06 expected, 0 giv"),
         ({"limits": {"jerk": 1.0}}, "limits.jerk: unknown field; known: velocity, torque, "),
-        ({"hierarchy": None}, "hierarchy: missing"),
+        ({"hierarchy": None}, "hierarchy: missing; given: name, tasks, urdf"),
     ],
 )
 def test_a_mistake_gives_one_line_with_file_field_given_and_expected(
@@ -183,9 +193,21 @@ def test_a_file_that_is_missing_or_no_yaml(tmp_path: Path) -> None:
     path.write_text("tasks: [")
     with pytest.raises(ConfigurationError, match=r"bad\.yaml: not valid YAML: while parsing"):
         load_robot_config(path)
-    path.write_text("- a\n- b\n")
-    with pytest.raises(ConfigurationError, match=r"bad\.yaml: file: a mapping expected"):
+    path.write_bytes(b"name: \xff")
+    with pytest.raises(ConfigurationError, match=r"bad\.yaml: not valid YAML: .*utf-8"):
         load_robot_config(path)
+    path.write_text("- a\n- b\n")
+    with pytest.raises(ConfigurationError, match=r"bad\.yaml: a mapping expected"):
+        load_robot_config(path)
+
+
+def test_an_optional_field_that_is_null_is_absent(tmp_path: Path) -> None:
+    """As if the line were not there."""
+    foot = FOOT | {"axes": None, "reference": None, "force": None}
+    config = _load(tmp_path, tasks=[foot, POSTURE], limits={"velocity": None, "torque_rate": None})
+    assert config.tasks[0].labels == ("x", "y", "z")
+    assert config.torque_rate == load_robot_config(find_robot("kuka_lwr")).torque_rate
+    assert config.model.velocity_limit.tolist() == [2.0, 2.0]
 
 
 def test_limits_that_the_urdf_lacks_are_asked_for(tmp_path: Path) -> None:

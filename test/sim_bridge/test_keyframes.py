@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ghc_controller.config import Fields
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_controller.robot_config import load_robot_config
 from ghc_controller.robots import find_robot
@@ -16,7 +17,6 @@ from ghc_sim_bridge.keyframes import Keyframe, Keyframes, joint_motion, read_key
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
 from ghc_sim_bridge.task_errors import reference_trajectory
-from ghc_sim_bridge.yaml_fields import Fields
 
 NAMES = ("a", "b")
 START = np.array([0.1, -0.2])
@@ -59,14 +59,14 @@ def test_samples_are_no_farther_apart_than_asked_and_hold_the_keyframes() -> Non
     ("section", "problem"),
     [
         ({"tasks": [], "postures": [{"time": 0.0}]}, "tasks: a list of task names"),
-        ({"tasks": ["posture"], "postures": []}, "at least one posture"),
+        ({"tasks": ["posture"], "postures": []}, "postures: at least one entry"),
         ({"tasks": ["posture"], "postures": [{"time": 1.0}, {"time": 1.0}]}, "more than 1 s"),
         ({"tasks": ["posture"], "postures": [{"time": 1.0, "joint": {}}]}, "joint: unknown field"),
     ],
 )
 def test_a_wrong_section_is_refused_with_its_place(section: object, problem: str) -> None:
     with pytest.raises(ConfigurationError, match=problem):
-        read_keyframes(Fields(section, Path("mine.yaml"), "keyframes"))
+        read_keyframes(Fields(section, "mine.yaml", "keyframes"))
 
 
 @pytest.fixture

@@ -101,13 +101,13 @@ def test_a_scene_with_obstacles_is_read_as_it_stands(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("obstacle_sensor: {period: 0.1}", "", "obstacle_sensor: is missing"),
-        ("period: 0.1", "period: 0", r"obstacle_sensor.period: at least 0.001 is expected"),
+        ("obstacle_sensor: {period: 0.1}", "", "obstacle_sensor: missing: nothing sees"),
+        ("period: 0.1", "period: 0", r"obstacle_sensor.period: a number >= 0.001 expected"),
         ("period: 0.1", "rate: 10", r"obstacle_sensor.rate: unknown field; known: period"),
-        ("id: ball", "normal: [1, 1, 0]\n    id: ball", r"obstacles\[0\].normal: length 1 is exp"),
-        ("time: 2.0", "time: 0.0", r"obstacles\[0\].track: increasing times are expected, 0 s"),
-        ("safe_distance: 0.1", "", r"obstacles\[0\].safe_distance: is missing"),
-        ("[1, 0, 0]", "[1, 0]", r"obstacles\[0\].track\[0\].position: 3 numbers are expected"),
+        ("id: ball", "normal: [1, 1, 0]\n    id: ball", r"obstacles\[0\].normal: length 1 exp"),
+        ("time: 2.0", "time: 0.0", r"obstacles\[0\].track: increasing times expected, 0 s"),
+        ("safe_distance: 0.1", "", r"obstacles\[0\].safe_distance: missing"),
+        ("[1, 0, 0]", "[1, 0]", r"obstacles\[0\].track\[0\].position: 3 numbers expected"),
     ],
 )
 def test_a_wrong_scene_is_told_file_and_field(

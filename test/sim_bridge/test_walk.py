@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ghc_controller.config import Fields, read_yaml
 from ghc_controller.errors import ConfigurationError
 from ghc_sim_bridge.scenario import find_scenario, load_scenario
 from ghc_sim_bridge.walk import (
@@ -21,17 +21,16 @@ from ghc_sim_bridge.walk import (
     wanted_zmp,
 )
 from ghc_sim_bridge.walk_fields import read_walk
-from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
 WEIGHT = 324.0  # [N] of the humanoid
 
 
 def section() -> dict[str, Any]:
-    return dict(read_yaml(find_scenario("walking"))["walk"])
+    return read_yaml(find_scenario("walking")).section("walk").values
 
 
 def read(data: dict[str, Any]) -> Walk:
-    return read_walk(Fields(data, Path("walking.yaml"), "walk"))
+    return read_walk(Fields(data, "walking.yaml", "walk"))
 
 
 @pytest.fixture
@@ -107,10 +106,10 @@ def test_the_scenario_takes_references_schedules_and_events_from_the_walk() -> N
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"steps": 2.5}, "walk.steps: a whole number is expected, 2.5 given"),
-        ({"feet": []}, "walk.feet: 2 feet are expected, 0 given"),
-        ({"center_of_mass": [0.0, 0.5]}, "3 numbers are expected, 2 given"),
-        ({"center_of_mass": [0.0, 0.0, 0.0]}, "a height above 0 is expected, 0 given"),
+        ({"steps": 2.5}, "walk.steps: a whole number expected, 2.5 given"),
+        ({"feet": []}, "walk.feet: 2 entries expected, 0 given"),
+        ({"center_of_mass": [0.0, 0.5]}, "3 numbers expected, 2 given"),
+        ({"center_of_mass": [0.0, 0.0, 0.0]}, "a height above 0 expected, 0 given"),
         ({"double_support": 1.0}, "are left for the swing"),
         ({"stride": 0.1}, "walk.stride: unknown field"),
     ],

@@ -7,56 +7,68 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import yaml
 
 from ghc_controller.errors import ConfigurationError
-from ghc_controller.types import Array
+from ghc_controller.value_checks import is_number, number_problem, shown, vector_problem
 
 _MISSING: Any = object()
 
 
 class Fields:
-    """One mapping of a configuration file; each reader removes its field from `unread`.
+    """One mapping of a configuration file; each reader marks its field as known.
 
-    A reader without `default` makes the field required. `done()` refuses what nobody read, so
-    that a misspelt optional field is an error and not a silent default.
+    A reader without `default` makes the field required; null counts as absent. `done()` refuses
+    what nobody read, so that a misspelt optional field is an error and not a silent default.
     """
 
-    def __init__(self, values: object, source: str, prefix: str = "") -> None:
-        """Wrap `values`; `source` (the file) and `prefix` (dotted path) go into messages."""
+    def __init__(self, values: object, source: str | Path, where: str = "") -> None:
+        """Wrap `values`; `source` (the file) and `where` (dotted path) go into messages."""
         self._source = source
-        self._prefix = prefix
-        if not isinstance(values, Mapping):
-            raise ConfigurationError(
-                f"{source}: {prefix.rstrip('.') or 'file'}: a mapping expected,"
-                f" {_shown(values)} given"
-            )
-        self._values: dict[str, Any] = {str(key): value for key, value in values.items()}
+        self._where = where
         self._known: list[str] = []
+        if not isinstance(values, Mapping):
+            raise self.complaint(f"a mapping expected, {shown(values)} given")
+        self._values: dict[str, Any] = {str(key): value for key, value in values.items()}
 
     def error(self, field: str, problem: str) -> ConfigurationError:
         """Error about one field, with the file and the full path of the field."""
-        return ConfigurationError(f"{self._source}: {self._prefix}{field}: {problem}")
+        return ConfigurationError(f"{self._source}: {self._path(field)}: {problem}")
 
     def complaint(self, problem: str) -> ConfigurationError:
         """Error about the mapping as a whole."""
-        return ConfigurationError(f"{self._source}: {self._prefix.rstrip('.')}: {problem}")
+        where = f"{self._where}: " if self._where else ""
+        return ConfigurationError(f"{self._source}: {where}{problem}")
+
+    def given(self) -> tuple[str, ...]:
+        """Names of all fields, in the order of the file."""
+        return tuple(self._values)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The mapping as it stands in the file, nothing checked."""
+        return dict(self._values)
 
     def has(self, field: str) -> bool:
         """Whether the field is given; marks it as known."""
-        self._known.append(field)
-        return field in self._values
+        return self.value(field, None) is not None
 
-    def value(self, field: str) -> Any:
+    def value(self, field: str, default: Any = _MISSING) -> Any:
         """Whatever the field holds, for a reader of its own."""
-        return self._get(field, _MISSING)
+        self._known.append(field)
+        value = self._values.get(field)
+        if value is not None:
+            return value
+        if default is _MISSING:
+            given = ", ".join(name for name, held in self._values.items() if held is not None)
+            raise self.error(field, f"missing; given: {given or 'nothing'}")
+        return default
 
     def text(self, field: str, default: str = _MISSING) -> str:
-        """A non-empty string."""
-        value = self._get(field, default)
+        """A string that is not empty."""
+        value = self.value(field, default)
         if not isinstance(value, str) or not value:
-            raise self.error(field, f"a name expected, {_shown(value)} given")
+            raise self.error(field, f"a non-empty text expected, {shown(value)} given")
         return value
 
     def choice(self, field: str, known: Sequence[str]) -> str:
@@ -68,116 +80,126 @@ class Fields:
 
     def flag(self, field: str, default: bool = _MISSING) -> bool:
         """True or false."""
-        value = self._get(field, default)
+        value = self.value(field, default)
         if not isinstance(value, bool):
-            raise self.error(field, f"true or false expected, {_shown(value)} given")
+            raise self.error(field, f"true or false expected, {shown(value)} given")
         return value
 
     def number(self, field: str, default: float = _MISSING, minimum: float = -math.inf) -> float:
         """A finite number, at least `minimum`."""
-        value = self._get(field, default)
-        if not _is_number(value) or value < minimum:
-            at_least = f" >= {minimum:g}" if minimum > -math.inf else ""
-            raise self.error(field, f"a number{at_least} expected, {_shown(value)} given")
-        return float(value)
+        return self._number(field, self.value(field, default), minimum)
 
-    def numbers(self, field: str, size: int) -> list[float]:
+    def numbers(self, field: str, size: int) -> tuple[float, ...]:
         """`size` finite numbers; one number stands for `size` equal ones."""
-        value = self._get(field, _MISSING)
-        if _is_number(value):
-            return [float(value)] * size
-        if not isinstance(value, list) or len(value) != size or not all(map(_is_number, value)):
-            raise self.error(field, f"{size} numbers expected, {_shown(value)} given")
-        return [float(item) for item in value]
-
-    def points(self, field: str) -> Array:
-        """At least one point of three finite numbers, (p, 3)."""
-        value = self._get(field, _MISSING)
-        if not isinstance(value, list) or not value or not all(map(_is_point, value)):
-            raise self.error(field, f"a list of points [x, y, z] expected, {_shown(value)} given")
-        return np.array(value, dtype=np.float64)
+        value = self.value(field)
+        if is_number(value):
+            return (float(value),) * size
+        return self._vector(field, value, size)
 
     def number_or_map(self, field: str) -> float | dict[str, float] | None:
         """One number, or a mapping name -> number; None when the field is absent."""
-        value = self._get(field, None)
-        if value is None or _is_number(value):
-            return value
-        if isinstance(value, Mapping) and all(map(_is_number, value.values())):
-            return {str(key): float(item) for key, item in value.items()}
-        raise self.error(
-            field, f"a number or a mapping name: number expected, {_shown(value)} given"
-        )
+        value = self.value(field, None)
+        if isinstance(value, Mapping):
+            numbers = self.section(field)
+            return {name: numbers.number(name) for name in numbers.given()}
+        if value is not None and not is_number(value):
+            expected = "a number or a mapping name: number"
+            raise self.error(field, f"{expected} expected, {shown(value)} given")
+        return None if value is None else float(value)
+
+    def vector(
+        self, field: str, size: int | None = None, default: Sequence[float] = _MISSING
+    ) -> tuple[float, ...]:
+        """Finite numbers; any number of them without `size`."""
+        return self._vector(field, self.value(field, default), size)
+
+    def vectors(
+        self, field: str, size: int, default: Sequence[Sequence[float]] = _MISSING
+    ) -> tuple[tuple[float, ...], ...]:
+        """At least one vector of `size` finite numbers."""
+        value = self.value(field, default)
+        if not isinstance(value, (list, tuple)) or not value:
+            raise self.error(
+                field, f"a list of vectors of {size} numbers expected, {shown(value)} given"
+            )
+        return tuple(self._vector(f"{field}[{k}]", row, size) for k, row in enumerate(value))
 
     def names(
-        self, field: str, known: Sequence[str], default: Sequence[str] = _MISSING
+        self,
+        field: str,
+        known: Sequence[str] | None = None,
+        default: Sequence[str] = _MISSING,
+        optional: bool = False,
+        of: str = "names",
     ) -> tuple[str, ...]:
-        """Distinct names out of `known`."""
-        value = self._get(field, default)
-        if not isinstance(value, (list, tuple)) or not value:
-            raise self.error(field, f"a list of names expected, {_shown(value)} given")
+        """Distinct names, out of `known` if given; none only where `optional`.
+
+        `of` says in messages what is named.
+        """
+        value = self.value(field, () if optional else default)
+        is_list = isinstance(value, (list, tuple)) and all(isinstance(x, str) for x in value)
+        if not is_list or not (value or optional):
+            raise self.error(field, f"a list of {of} expected, {shown(value)} given")
         for name in value:
-            if name not in known:
+            if known is not None and name not in known:
                 raise self.error(field, f"'{name}' given; known: {', '.join(known)}")
         if len(set(value)) != len(value):
-            raise self.error(field, f"names must differ, {_shown(value)} given")
+            raise self.error(field, f"names must differ, {shown(value)} given")
         return tuple(value)
 
-    def section(self, field: str) -> Fields:
-        """A nested mapping; empty when the field is absent."""
-        return Fields(self._get(field, {}), self._source, f"{self._prefix}{field}.")
+    def section(self, field: str, optional: bool = False) -> Fields:
+        """A nested mapping; empty where `optional` and absent."""
+        value = self.value(field, {} if optional else _MISSING)
+        return Fields(value, self._source, self._path(field))
 
-    def sections(self, field: str, optional: bool = False) -> list[Fields]:
-        """A list of mappings with at least one entry; none where `optional` and absent."""
-        value = self._get(field, None if optional else _MISSING)
-        if value is None:
-            return []
-        if not isinstance(value, list) or not value:
-            raise self.error(field, f"a list of mappings expected, {_shown(value)} given")
-        return [
-            Fields(item, self._source, f"{self._prefix}{field}[{index}].")
-            for index, item in enumerate(value)
-        ]
+    def sections(
+        self, field: str, optional: bool = False, size: int | None = None
+    ) -> tuple[Fields, ...]:
+        """A list of mappings: `size` of them, else at least one; none only where `optional`."""
+        value = self.value(field, [] if optional else _MISSING)
+        if not isinstance(value, list):
+            raise self.error(field, f"a list of mappings expected, {shown(value)} given")
+        if size is not None and len(value) != size:
+            raise self.error(field, f"{size} entries expected, {len(value)} given")
+        if not value and not optional:
+            raise self.error(field, "at least one entry expected, none given")
+        path = self._path(field)
+        return tuple(Fields(item, self._source, f"{path}[{k}]") for k, item in enumerate(value))
 
     def done(self) -> None:
         """Refuse fields that no reader asked for."""
         unknown = [field for field in self._values if field not in self._known]
         if unknown:
-            raise self.error(unknown[0], f"unknown field; known: {', '.join(self._known)}")
+            known = ", ".join(dict.fromkeys(self._known))
+            raise self.error(unknown[0], f"unknown field; known: {known}")
 
-    def _get(self, field: str, default: Any) -> Any:
-        self._known.append(field)
-        value = self._values.get(field, default)
-        if value is _MISSING:
-            raise self.error(field, "missing")
-        return value
+    def _path(self, field: str) -> str:
+        return f"{self._where}.{field}" if self._where else field
+
+    def _number(self, field: str, value: Any, minimum: float = -math.inf) -> float:
+        problem = number_problem(value, minimum)
+        if problem:
+            raise self.error(field, problem)
+        return float(value)
+
+    def _vector(self, field: str, value: Any, size: int | None) -> tuple[float, ...]:
+        problem = vector_problem(value, size)
+        if problem:
+            raise self.error(field, problem)
+        return tuple(self._number(f"{field}[{k}]", item) for k, item in enumerate(value))
 
 
 def read_yaml(path: Path) -> Fields:
     """Fields of a YAML file.
 
     Raises:
-        ConfigurationError: the file does not exist, is no YAML, or is no mapping.
+        ConfigurationError: the file cannot be read, is no YAML, or is no mapping.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        values = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from error
-    try:
-        values = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         problem = " ".join(str(error).split())
         raise ConfigurationError(f"{path}: not valid YAML: {problem}") from error
-    return Fields(values, str(path))
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _is_point(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return Fields(values, path)

@@ -78,7 +78,7 @@ def load_robot_config(path: str | Path) -> RobotConfig:
     name = fields.text("name")
     urdf = find_urdf(fields.value("urdf"), path)
     floating_base = fields.flag("floating_base", False)
-    limits = fields.section("limits")
+    limits = fields.section("limits", optional=True)
     model = _build_model(urdf, floating_base, limits)
     torque_rate = limits.number("torque_rate", _DEFAULT_TORQUE_RATE, minimum=1e-6)
     brake = limits.number("brake_acceleration", _DEFAULT_BRAKE_ACCELERATION, minimum=1e-6)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_controller.config import read_yaml
 from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import Analysis
 from ghc_sim_bridge.constraint_series import ConstraintSeries
@@ -21,7 +22,6 @@ from ghc_sim_bridge.generator_metrics import (
 )
 from ghc_sim_bridge.obstacle_distance import DistanceHistory, obstacle_distance
 from ghc_sim_bridge.scene_description import load_scene
-from ghc_sim_bridge.yaml_fields import read_yaml
 
 Array = NDArray[np.float64]
 
@@ -92,8 +92,8 @@ def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> Generato
 def _contact_normals(folder: Path, robot: str) -> dict[str, Array]:
     """Contact -> (3,) unit normal, world axes, of the robot file of a run."""
     changed = folder / "robot.yaml"
-    content = read_yaml(changed if changed.is_file() else find_robot(robot))
+    fields = read_yaml(changed if changed.is_file() else find_robot(robot))
     return {
-        contact["name"]: np.array(contact["normal"], float)
-        for contact in content.get("contacts", [])
+        contact.text("name"): np.array(contact.numbers("normal", 3))
+        for contact in fields.sections("contacts", optional=True)
     }

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ghc_sim_bridge.yaml_fields import Fields
+from ghc_controller.config import Fields
 
 # Node -> what the controller waits for (its parameter wait_for_bounds).
 GENERATORS: Mapping[str, str] = {
@@ -39,42 +39,39 @@ def read_generators(fields: Fields) -> Mapping[str, Mapping[str, Any]]:
 
     Raises ConfigurationError for a node that is no generator.
     """
-    for name in fields.names():
+    for name in fields.given():
         if name not in GENERATORS:
             raise fields.error(name, f"unknown generator; known: {', '.join(GENERATORS)}")
     # A generator without parameters of its own is written as `name:` or `name: {}`.
-    sections = {name: fields.section(name, {}) for name in fields.names()}
+    sections = {name: fields.section(name, optional=True) for name in fields.given()}
     return {
-        name: {parameter: section.value(parameter) for parameter in section.names()}
+        name: {parameter: section.value(parameter) for parameter in section.given()}
         for name, section in sections.items()
     }
 
 
 def read_schedule(fields: Fields) -> ScriptedSchedule:
     """One entry of `contact_schedules`; the generator judges what it holds."""
-    entries = fields.items("bounds")
     rows = []
-    for entry in entries:
+    for entry in fields.sections("bounds"):
         rows.append([entry.number(name) for name in ("time", "lower", "upper")])
-        entry.close()
-    if not rows:
-        raise fields.error("bounds", "at least one entry is expected, none given")
+        entry.done()
     times, lower, upper = zip(*rows, strict=True)
     schedule = ScriptedSchedule(
         fields.text("contact"), times, lower, upper, fields.number("known_from", 0.0, minimum=0.0)
     )
-    fields.close()
+    fields.done()
     return schedule
 
 
 def read_events(fields: Fields) -> tuple[Event, ...]:
     """The list `events` of a scenario, in the order of their times."""
     events: list[Event] = []
-    for entry in fields.items("events", ()):
+    for entry in fields.sections("events", optional=True):
         event = Event(entry.number("time", minimum=0.0), entry.text("name"))
-        entry.close()
+        entry.done()
         if events and event.time <= events[-1].time:
             before = events[-1].time
-            raise entry.error("time", f"more than {before:g} is expected, {event.time:g} given")
+            raise entry.error("time", f"more than {before:g} expected, {event.time:g} given")
         events.append(event)
     return tuple(events)

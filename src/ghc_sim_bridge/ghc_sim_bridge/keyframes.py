@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_controller.config import Fields
 from ghc_sim_bridge.posture_motion import minimum_jerk
-from ghc_sim_bridge.yaml_fields import Fields
 
 Array = NDArray[np.float64]
 
@@ -85,28 +85,22 @@ def read_keyframes(fields: Fields) -> Keyframes:
 
     Raises ConfigurationError: no task or posture, or times that do not increase.
     """
-    tasks = fields.value("tasks")
-    if not isinstance(tasks, list) or not tasks or not all(isinstance(t, str) for t in tasks):
-        raise fields.error("tasks", f"a list of task names is expected, {tasks!r} given")
+    tasks = fields.names("tasks", of="task names")
     postures: list[Keyframe] = []
-    for entry in fields.items("postures"):
-        joints = entry.section("joints", {})
+    for entry in fields.sections("postures"):
+        joints = entry.section("joints", optional=True)
         keyframe = Keyframe(
             entry.number("time", minimum=0.0),
-            {name: joints.number(name) for name in joints.names()},
+            {name: joints.number(name) for name in joints.given()},
         )
-        entry.close()
+        entry.done()
         if postures and keyframe.time <= postures[-1].time:
             raise entry.error(
                 "time",
-                f"more than {postures[-1].time:g} s (the posture before) is expected, "
+                f"more than {postures[-1].time:g} s (the posture before) expected, "
                 f"{keyframe.time:g} given",
             )
         postures.append(keyframe)
-    if not postures:
-        raise fields.error("postures", "at least one posture is expected, none given")
-    keyframes = Keyframes(
-        tuple(tasks), fields.number("sample", 0.1, minimum=1e-3), tuple(postures)
-    )
-    fields.close()
+    keyframes = Keyframes(tasks, fields.number("sample", 0.1, minimum=1e-3), tuple(postures))
+    fields.done()
     return keyframes

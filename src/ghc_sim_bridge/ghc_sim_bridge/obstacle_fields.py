@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from ghc_controller.config import Fields
 from ghc_sim_bridge.scene_fields import read_vector
 from ghc_sim_bridge.scene_values import Obstacle, Sighting, Vector
-from ghc_sim_bridge.yaml_fields import Fields
 
 _LENGTH_TOLERANCE = 1e-3  # [-] how far the length of a given normal may be from 1
 
@@ -17,12 +17,12 @@ def read_sensor_period(fields: Fields) -> float | None:
     Raises ConfigurationError; also for obstacles that no sensor would see.
     """
     if not fields.has("obstacle_sensor"):
-        if fields.items("obstacles", ()):
-            raise fields.error("obstacle_sensor", "is missing: nothing sees the obstacles")
+        if fields.sections("obstacles", optional=True):
+            raise fields.error("obstacle_sensor", "missing: nothing sees the obstacles")
         return None
     sensor = fields.section("obstacle_sensor")
     period = sensor.number("period", 0.1, minimum=1e-3)
-    sensor.close()
+    sensor.done()
     return period
 
 
@@ -33,16 +33,14 @@ def read_obstacle(fields: Fields) -> Obstacle:
         protected_frame=fields.text("protected_frame"),
         safe_distance=fields.number("safe_distance", minimum=0.0),
         normal=_normal(fields) if fields.has("normal") else None,
-        track=tuple(_sighting(entry) for entry in fields.items("track")),
+        track=tuple(_sighting(entry) for entry in fields.sections("track")),
     )
-    fields.close()
-    if not obstacle.track:
-        raise fields.error("track", "at least one entry is expected, none given")
+    fields.done()
     for before, after in zip(obstacle.track, obstacle.track[1:], strict=False):
         if after.time <= before.time:
             raise fields.error(
                 "track",
-                f"increasing times are expected, {after.time:g} s given after {before.time:g} s",
+                f"increasing times expected, {after.time:g} s given after {before.time:g} s",
             )
     return obstacle
 
@@ -50,7 +48,7 @@ def read_obstacle(fields: Fields) -> Obstacle:
 def _sighting(fields: Fields) -> Sighting:
     position = read_vector(fields, "position") if fields.has("position") else None
     sighting = Sighting(fields.number("time", minimum=0.0), position)
-    fields.close()
+    fields.done()
     return sighting
 
 
@@ -58,5 +56,5 @@ def _normal(fields: Fields) -> Vector:
     normal = read_vector(fields, "normal")
     length = math.hypot(*normal)
     if abs(length - 1.0) > _LENGTH_TOLERANCE:
-        raise fields.error("normal", f"length 1 is expected, {length:g} given")
+        raise fields.error("normal", f"length 1 expected, {length:g} given")
     return normal[0] / length, normal[1] / length, normal[2] / length

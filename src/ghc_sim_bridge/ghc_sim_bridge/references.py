@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ghc_sim_bridge.yaml_fields import Fields
+from ghc_controller.config import Fields
 
 Vector = tuple[float, ...]
 KINDS = ("position", "joints", "points", "lemniscate")
@@ -71,48 +71,47 @@ def read_reference(task: str, fields: Fields) -> Reference:
     """The reference of one task from its section of a scenario file."""
     given = [kind for kind in KINDS if fields.has(kind)]
     if len(given) != 1:
-        shown = ", ".join(given or fields.names()) or "nothing"
-        raise fields.error("", f"exactly one of {', '.join(KINDS)} is expected, {shown} given")
+        shown = ", ".join(given or fields.given()) or "nothing"
+        raise fields.complaint(f"exactly one of {', '.join(KINDS)} expected, {shown} given")
     if given[0] == "position":
         reference = Reference(task, (ReferencePoint(0.0, fields.vector("position")),))
     elif given[0] == "joints":
         joints = fields.section("joints")
-        values = tuple(joints.number(name) for name in joints.names())
-        reference = Reference(task, (ReferencePoint(0.0, values),), joints.names())
+        values = tuple(joints.number(name) for name in joints.given())
+        reference = Reference(task, (ReferencePoint(0.0, values),), joints.given())
     elif given[0] == "points":
         reference = Reference(task, _read_points(fields))
     else:
         reference = Reference(task, lemniscate=_read_lemniscate(fields.section("lemniscate")))
-    fields.close()
+    fields.done()
     return reference
 
 
 def _read_points(fields: Fields) -> tuple[ReferencePoint, ...]:
     points: list[ReferencePoint] = []
-    for item in fields.items("points"):
+    for item in fields.sections("points"):
         point = ReferencePoint(
             time=item.number("time", minimum=0.0),
-            position=item.vector("position", ()),
-            velocity=item.vector("velocity", ()),
-            acceleration=item.vector("acceleration", ()),
-            wrench=item.vector("wrench", ()),
+            position=item.vector("position", default=()),
+            velocity=item.vector("velocity", default=()),
+            acceleration=item.vector("acceleration", default=()),
+            wrench=item.vector("wrench", default=()),
         )
-        item.close()
+        item.done()
         if points and point.time <= points[-1].time:
-            expected = f"more than {points[-1].time:g} s (the point before) is expected"
+            expected = f"more than {points[-1].time:g} s (the point before) expected"
             raise item.error("time", f"{expected}, {point.time:g} given")
         points.append(point)
-    if not points:
-        raise fields.error("points", "at least one point is expected, none given")
     return tuple(points)
 
 
 def _read_lemniscate(fields: Fields) -> Lemniscate:
-    axes = {name: fields.vector(name) for name in ("center", "along", "across")}
-    for name, vector in axes.items():
-        if len(vector) != 3:
-            raise fields.error(name, f"3 numbers are expected, {len(vector)} given")
-    period = fields.number("period", minimum=1e-3)
-    sample = fields.number("sample", 0.1, minimum=1e-3)
-    fields.close()
-    return Lemniscate(axes["center"], axes["along"], axes["across"], period, sample)
+    lemniscate = Lemniscate(
+        center=fields.vector("center", 3),
+        along=fields.vector("along", 3),
+        across=fields.vector("across", 3),
+        period=fields.number("period", minimum=1e-3),
+        sample=fields.number("sample", 0.1, minimum=1e-3),
+    )
+    fields.done()
+    return lemniscate

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import rerun as rr
-import yaml
 from numpy.typing import NDArray
 
-from ghc_controller.errors import ConfigurationError
+from ghc_controller.config import read_yaml
 from ghc_sim_bridge.controller_series import ControllerSeries
 from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.rerun_layout import (
@@ -45,15 +44,11 @@ def position_tasks(robot_file: Path) -> tuple[str, ...]:
     Raises:
         ConfigurationError: the file cannot be read as such.
     """
-    try:
-        tasks = yaml.safe_load(robot_file.read_text(encoding="utf-8"))["tasks"]
-        return tuple(
-            task["name"]
-            for task in tasks
-            if task["kind"] in _POSITION_KINDS and task.get("axes", _AXES) == _AXES
-        )
-    except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
-        raise ConfigurationError(f"robot file '{robot_file}': {error}") from error
+    return tuple(
+        task.text("name")
+        for task in read_yaml(robot_file).sections("tasks")
+        if task.text("kind") in _POSITION_KINDS and task.value("axes", _AXES) == _AXES
+    )
 
 
 def write_rerun(

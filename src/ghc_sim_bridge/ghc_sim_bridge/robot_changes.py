@@ -8,9 +8,9 @@ from typing import Any
 
 import yaml
 
+from ghc_controller.config import read_yaml
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.urdf_source import find_urdf
-from ghc_sim_bridge.yaml_fields import read_yaml
 
 
 def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) -> Path:
@@ -20,7 +20,7 @@ def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) 
     of the robot's); the URDF becomes an absolute path. Raises UnknownName for a task or contact
     that the robot has not, ConfigurationError for anything malformed.
     """
-    robot = read_yaml(source)
+    robot = read_yaml(source).values
     named = {key: value for key, value in changes.items() if _is_by_name(key, value)}
     merged = _merge(robot, {key: value for key, value in changes.items() if key not in named})
     for kind, by_name in named.items():
@@ -50,7 +50,7 @@ def _merge_named(
     if not isinstance(entries, list) or not isinstance(changes, Mapping):
         raise ConfigurationError(
             f"{source}: {kind}: a list of {kind} and a mapping of changes by "
-            f"name are expected, {entries!r} and {changes!r} given"
+            f"name expected, {entries!r} and {changes!r} given"
         )
     names = [entry["name"] for entry in entries]
     for name in changes:

@@ -14,6 +14,7 @@ import yaml
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
+from ghc_controller.config import read_yaml
 from ghc_controller.robots import find_robot
 from ghc_controller.urdf_source import find_urdf
 from ghc_sim_bridge.controller_trace import ControllerTrace
@@ -25,7 +26,6 @@ from ghc_sim_bridge.processes import NodeProcesses
 from ghc_sim_bridge.robot_changes import write_changed_robot
 from ghc_sim_bridge.ros_domain import DomainLock
 from ghc_sim_bridge.run_plan import RunPlan
-from ghc_sim_bridge.yaml_fields import read_yaml
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ def _placement(plan: RunPlan, domain: DomainLock) -> dict[str, Cpus]:
 def _prepare_folder(plan: RunPlan) -> Path:
     """Make an empty folder with the parameters of all nodes; the robot file to be used."""
     robot = find_robot(str(plan.parameters["controller"]["robot"]))
-    find_urdf(read_yaml(robot).get("urdf"), robot)  # a model that is missing: told before the rest
+    find_urdf(read_yaml(robot).value("urdf"), robot)  # a missing model is told before the rest
     if plan.folder.exists():
         shutil.rmtree(plan.folder)
     (plan.folder / "logs").mkdir(parents=True)

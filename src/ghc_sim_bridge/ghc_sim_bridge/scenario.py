@@ -13,6 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from ghc_controller.config import Fields, read_yaml
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import FORMULATIONS
 from ghc_sim_bridge.generator_script import (
@@ -27,7 +28,6 @@ from ghc_sim_bridge.keyframes import Keyframes, read_keyframes
 from ghc_sim_bridge.references import Reference, read_reference
 from ghc_sim_bridge.walk import walk_events, walk_references, walk_schedules
 from ghc_sim_bridge.walk_fields import read_walk
-from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
 NODES = ("sim_bridge", "controller", "recorder", "viewer", *GENERATORS)
 
@@ -107,32 +107,32 @@ def load_scenario(name: str, variant: str = "") -> Scenario:
     Raises UnknownName (scenario, variant) or ConfigurationError (file, field, what was given).
     """
     file = find_scenario(name)
-    data = read_yaml(file)
-    variants = Fields(data, file).section("variants", {})
-    names = variants.names()
+    fields = read_yaml(file)
+    variants = fields.section("variants", optional=True)
+    names = variants.given()
     if variant and variant not in names:
         raise UnknownName(f"variant of scenario '{name}'", variant, names)
     chosen = variant or (names[0] if names else "")
-    changes = dict(variants.value(chosen)) if chosen else {}
-    merged = {key: value for key, value in data.items() if key != "variants"} | changes
+    changes = variants.section(chosen).values if chosen else {}
+    merged = {key: value for key, value in fields.values.items() if key != "variants"} | changes
     return _read_scenario(Fields(merged, file), file, chosen, names)
 
 
 def _read_scenario(
     fields: Fields, file: Path, variant: str, variants: tuple[str, ...]
 ) -> Scenario:
-    scripted = fields.section("references", {})
-    references = tuple(read_reference(task, scripted.section(task)) for task in scripted.names())
+    scripted = fields.section("references", optional=True)
+    references = tuple(read_reference(task, scripted.section(task)) for task in scripted.given())
     hold = fields.number("hold", 8.0, minimum=0.0)
-    phases = tuple(_read_phase(item, hold) for item in fields.items("phases"))
-    if not phases:
-        raise fields.error("phases", "at least one phase is expected, none given")
-    parameters = fields.section("parameters", {})
-    for node in parameters.names():
+    phases = tuple(_read_phase(item, hold) for item in fields.sections("phases"))
+    parameters = fields.section("parameters", optional=True)
+    for node in parameters.given():
         if node not in NODES:
             raise parameters.error(node, f"unknown node; known: {', '.join(NODES)}")
-    generators = read_generators(fields.section("generators", {}))
-    schedules = tuple(read_schedule(item) for item in fields.items("contact_schedules", ()))
+    generators = read_generators(fields.section("generators", optional=True))
+    schedules = tuple(
+        read_schedule(item) for item in fields.sections("contact_schedules", optional=True)
+    )
     events = read_events(fields)
     if fields.has("walk"):
         walk = read_walk(fields.section("walk"))
@@ -158,22 +158,24 @@ def _read_scenario(
         references=references,
         keyframes=_optional_keyframes(fields),
         phases=phases,
-        parameters={node: dict(parameters.value(node)) for node in parameters.names()},
-        formulation_parameters=_read_formulations(fields.section("formulation_parameters", {})),
-        robot_changes=dict(fields.value("robot_changes", {})),
+        parameters={node: parameters.section(node).values for node in parameters.given()},
+        formulation_parameters=_read_formulations(
+            fields.section("formulation_parameters", optional=True)
+        ),
+        robot_changes=fields.section("robot_changes", optional=True).values,
         generators=generators,
         contact_schedules=schedules,
         events=events,
-        raw_bounds_only=_flag(fields, "raw_bounds_only"),
-        watched_joints=_names(fields, "watched_joints"),
-        paper=dict(fields.value("paper", {})),
+        raw_bounds_only=fields.flag("raw_bounds_only", False),
+        watched_joints=fields.names("watched_joints", optional=True),
+        paper=fields.section("paper", optional=True).values,
         standing_height=(
             fields.number("standing_height", minimum=0.0)
             if fields.has("standing_height")
             else None
         ),
     )
-    fields.close()
+    fields.done()
     return scenario
 
 
@@ -181,27 +183,11 @@ def _optional_keyframes(fields: Fields) -> Keyframes | None:
     return read_keyframes(fields.section("keyframes")) if fields.has("keyframes") else None
 
 
-def _flag(fields: Fields, name: str) -> bool:
-    value = fields.value(name, False)
-    if not isinstance(value, bool):
-        raise fields.error(name, f"true or false is expected, {value!r} given")
-    return value
-
-
-def _names(fields: Fields, name: str) -> tuple[str, ...]:
-    value = fields.value(name, [])
-    if not isinstance(value, list) or not all(isinstance(entry, str) for entry in value):
-        raise fields.error(name, f"a list of names is expected, {value!r} given")
-    return tuple(value)
-
-
 def _read_formulations(fields: Fields) -> Mapping[str, Mapping[str, Any]]:
-    for name in fields.names():
+    for name in fields.given():
         if name not in FORMULATIONS:
             raise fields.error(name, f"unknown formulation; known: {', '.join(FORMULATIONS)}")
-        if not isinstance(fields.value(name), dict):
-            raise fields.error(name, f"a mapping is expected, {fields.value(name)!r} given")
-    return {name: fields.value(name) for name in fields.names()}
+    return {name: fields.section(name).values for name in fields.given()}
 
 
 def _read_phase(fields: Fields, default_hold: float) -> Phase:
@@ -213,24 +199,19 @@ def _read_phase(fields: Fields, default_hold: float) -> Phase:
         hierarchy = fields.text("hierarchy")
     hold = fields.number("hold", default_hold, minimum=0.0)
     paper = fields.value("paper", {})
-    fields.close()
+    fields.done()
     return Phase(hierarchy, hold, table, paper)
 
 
 def _read_table(fields: Fields) -> PriorityTable:
-    tasks = fields.value("tasks")
-    if not isinstance(tasks, list) or not all(isinstance(task, str) for task in tasks):
-        raise fields.error("tasks", f"a list of task names is expected, {tasks!r} given")
+    tasks = fields.names("tasks", of="task names")
     rows = fields.value("alpha")
     size = len(tasks)
     if not isinstance(rows, list) or len(rows) != size:
         given = len(rows) if isinstance(rows, list) else repr(rows)
-        raise fields.error("alpha", f"{size} rows (one per task) are expected, {given} given")
-    alpha = Fields(
-        {str(k): row for k, row in enumerate(rows)}, fields.file, f"{fields.where}.alpha"
-    )
-    values = tuple(alpha.vector(str(k)) for k in range(size))
-    for k, row in enumerate(values):
-        if len(row) != size or min(row) < 0.0 or max(row) > 1.0:
-            raise alpha.error(str(k), f"{size} numbers in [0, 1] are expected, {list(row)} given")
-    return PriorityTable(tuple(tasks), values)
+        raise fields.error("alpha", f"{size} rows (one per task) expected, {given} given")
+    alpha = fields.vectors("alpha", size)
+    for k, row in enumerate(alpha):
+        if min(row) < 0.0 or max(row) > 1.0:
+            raise fields.error(f"alpha[{k}]", f"numbers in [0, 1] expected, {list(row)} given")
+    return PriorityTable(tasks, alpha)

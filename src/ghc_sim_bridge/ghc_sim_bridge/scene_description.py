@@ -9,6 +9,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
+from ghc_controller.config import Fields, read_yaml
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robots import find_robot
 from ghc_controller.urdf_source import find_urdf
@@ -17,7 +18,6 @@ from ghc_sim_bridge.scene_fields import (
     read_base,
     read_camera,
     read_contact,
-    read_limit,
     read_surface,
     read_vector,
 )
@@ -29,7 +29,6 @@ from ghc_sim_bridge.scene_values import (
     SceneDescription,
     Surface,
 )
-from ghc_sim_bridge.yaml_fields import Fields, read_yaml
 
 __all__ = [
     "Camera",
@@ -73,34 +72,40 @@ def load_scene(scene: str | Path) -> SceneDescription:
     Raises UnknownName or ConfigurationError, naming file and field.
     """
     file = find_scene(scene)
-    fields = Fields(read_yaml(file), file)
-    robot_file, robot, urdf = _robot(fields)
-    limits = robot.section("limits", {})
+    fields = read_yaml(file)
+    robot_file, robot, urdf = _robot(fields, file)
+    limits = robot.section("limits", optional=True)
     start = fields.section("start")
     description = SceneDescription(
         name=fields.text("name", file.stem),
         file=file,
         robot_file=robot_file,
         urdf=urdf,
-        start={joint: start.number(joint) for joint in start.names()},
+        start={joint: start.number(joint) for joint in start.given()},
         base=_base(fields, robot),
-        torque_limit=read_limit(limits, "torque"),
-        velocity_limit=read_limit(limits, "velocity"),
+        torque_limit=limits.number_or_map("torque"),
+        velocity_limit=limits.number_or_map("velocity"),
         gravity=read_vector(fields, "gravity", (0.0, 0.0, -9.81)),
-        surfaces=tuple(read_surface(entry) for entry in fields.items("surfaces", ())),
-        contacts=tuple(read_contact(entry) for entry in fields.items("contacts", ())),
+        surfaces=tuple(
+            read_surface(entry) for entry in fields.sections("surfaces", optional=True)
+        ),
+        contacts=tuple(
+            read_contact(entry) for entry in fields.sections("contacts", optional=True)
+        ),
         camera=read_camera(fields.section("camera")),
-        obstacles=tuple(read_obstacle(entry) for entry in fields.items("obstacles", ())),
+        obstacles=tuple(
+            read_obstacle(entry) for entry in fields.sections("obstacles", optional=True)
+        ),
         sensor_period=read_sensor_period(fields),
     )
-    fields.close()
+    fields.done()
     for what, entries in (
         ("surfaces", [surface.name for surface in description.surfaces]),
         ("contacts", [contact.name for contact in description.contacts]),
         ("obstacles", [obstacle.id for obstacle in description.obstacles]),
     ):
         if len(set(entries)) < len(entries):
-            raise fields.error(what, f"names must differ, given: {', '.join(entries)}")
+            raise fields.error(what, f"names must differ, {entries} given")
     return description
 
 
@@ -108,14 +113,14 @@ def _scene_folder() -> Path:
     return Path(str(files("ghc_sim_bridge"))) / "scenes"
 
 
-def _robot(fields: Fields) -> tuple[Path, Fields, Path]:
+def _robot(fields: Fields, file: Path) -> tuple[Path, Fields, Path]:
     """File and fields of the robot.yaml, and the URDF that it names."""
     name = fields.text("robot")
     try:
-        robot_file = find_robot(fields.file.parent / name if name.startswith(".") else name)
+        robot_file = find_robot(file.parent / name if name.startswith(".") else name)
     except (UnknownName, ConfigurationError) as error:
         raise fields.error("robot", str(error)) from error
-    robot = Fields(read_yaml(robot_file), robot_file)
+    robot = read_yaml(robot_file)
     urdf = find_urdf(robot.value("urdf"), robot_file)
     if not urdf.is_file():
         raise robot.error("urdf", f"'{urdf}' does not exist")
@@ -124,10 +129,7 @@ def _robot(fields: Fields) -> tuple[Path, Fields, Path]:
 
 def _base(fields: Fields, robot: Fields) -> BaseStart | None:
     """Where the base starts; given for a robot with a floating base, and for no other."""
-    floating = robot.value("floating_base", False)
-    if not isinstance(floating, bool):
-        raise robot.error("floating_base", f"true or false is expected, {floating!r} given")
-    if floating:
+    if robot.flag("floating_base", False):
         return read_base(fields.section("base"))
     if fields.has("base"):
         raise fields.error("base", "the robot's base is fixed, it has no start of its own")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from ghc_controller.config import Fields
 from ghc_sim_bridge.walk import Foot, Walk
-from ghc_sim_bridge.yaml_fields import Fields
 
 _SHORTEST = 0.05  # [s] of a swing
 
@@ -13,16 +13,14 @@ def read_walk(fields: Fields) -> Walk:
 
     Raises ConfigurationError (file, field, what was given).
     """
-    feet = tuple(_read_foot(item) for item in fields.items("feet"))
-    if len(feet) != 2:
-        raise fields.error("feet", f"2 feet are expected, {len(feet)} given")
+    first, second = (_read_foot(item) for item in fields.sections("feet", size=2))
     steps = fields.number("steps", minimum=1.0)
     if steps != int(steps):
-        raise fields.error("steps", f"a whole number is expected, {steps:g} given")
+        raise fields.error("steps", f"a whole number expected, {steps:g} given")
     walk = Walk(
         task=fields.text("task"),
-        center_of_mass=_vector(fields, "center_of_mass", 3),
-        feet=(feet[0], feet[1]),
+        center_of_mass=fields.vector("center_of_mass", 3),
+        feet=(first, second),
         start=fields.number("start", minimum=0.1),
         steps=int(steps),
         length=fields.number("length"),
@@ -35,24 +33,17 @@ def read_walk(fields: Fields) -> Walk:
     )
     if walk.center_of_mass[2] <= 0.0:
         given = walk.center_of_mass[2]
-        raise fields.error("center_of_mass", f"a height above 0 is expected, {given:g} given")
+        raise fields.error("center_of_mass", f"a height above 0 expected, {given:g} given")
     swing = walk.step_time - walk.double_support - walk.settle
     if swing < _SHORTEST:
         raise fields.error(
-            "step_time", f"{swing:g} s are left for the swing, at least {_SHORTEST} are expected"
+            "step_time", f"{swing:g} s are left for the swing, at least {_SHORTEST} expected"
         )
-    fields.close()
+    fields.done()
     return walk
 
 
 def _read_foot(fields: Fields) -> Foot:
-    foot = Foot(fields.text("task"), fields.text("contact"), _vector(fields, "pose", 7))
-    fields.close()
+    foot = Foot(fields.text("task"), fields.text("contact"), fields.vector("pose", 7))
+    fields.done()
     return foot
-
-
-def _vector(fields: Fields, name: str, size: int) -> tuple[float, ...]:
-    vector = fields.vector(name)
-    if len(vector) != size:
-        raise fields.error(name, f"{size} numbers are expected, {len(vector)} given")
-    return vector

@@ -87,7 +87,7 @@ class Contact:
         contact = cls(
             name,
             model.frame_id(frame),
-            fields.points("points"),
+            np.array(fields.vectors("points", 3)),
             contact_axes(np.array(fields.numbers("normal", 3)), name),
             fields.number("friction", 0.5, minimum=0.0),
             lower,
