@@ -166,7 +166,7 @@ def test_a_task_without_a_reference_stays_where_it_is(tmp_path: Path) -> None:
             "limits.torque: torque of 'hip': -2.0 given, a positive number expected",
         ),
         ({"limits": {"torque": "much"}}, "limits.torque: a number or a mapping name: number"),
-        ({"limits": {"torque": {"knee": None}}}, "limits.torque.knee: missing; given: nothing"),
+        ({"limits": {"torque": {"knee": None}}}, "limits.torque.knee: it has no value: leave"),
         ({"limits": {"torque_rate": np.inf}}, "a finite number >= 1e-06 expected, inf given"),
         ({"limits": {"torque_rate": 0}}, "limits.torque_rate: a number >= 1e-06 expected, 0 giv"),
         ({"limits": {"jerk": 1.0}}, "limits.jerk: unknown field; known: velocity, torque, "),
@@ -201,13 +201,11 @@ def test_a_file_that_is_missing_or_no_yaml(tmp_path: Path) -> None:
         load_robot_config(path)
 
 
-def test_an_optional_field_that_is_null_is_absent(tmp_path: Path) -> None:
-    """As if the line were not there."""
-    foot = FOOT | {"axes": None, "reference": None, "force": None}
-    config = _load(tmp_path, tasks=[foot, POSTURE], limits={"velocity": None, "torque_rate": None})
-    assert config.tasks[0].labels == ("x", "y", "z")
-    assert config.torque_rate == load_robot_config(find_robot("kuka_lwr")).torque_rate
-    assert config.model.velocity_limit.tolist() == [2.0, 2.0]
+@pytest.mark.parametrize("field", ["axes", "reference", "force"])
+def test_an_optional_field_without_a_value_is_refused(tmp_path: Path, field: str) -> None:
+    """Whoever writes `force:` and no more means something by it."""
+    with pytest.raises(ConfigurationError, match=rf"tasks\[0\].{field}: it has no value"):
+        _load(tmp_path, tasks=[FOOT | {field: None}, POSTURE])
 
 
 def test_limits_that_the_urdf_lacks_are_asked_for(tmp_path: Path) -> None:

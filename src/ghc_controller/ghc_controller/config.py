@@ -18,8 +18,9 @@ _MISSING: Any = object()
 class Fields:
     """One mapping of a configuration file; each reader marks its field as known.
 
-    A reader without `default` makes the field required; null counts as absent. `done()` refuses
-    what nobody read, so that a misspelt optional field is an error and not a silent default.
+    A reader without `default` makes the field required. A field without a value is refused, and
+    `done()` refuses what nobody read: neither a misspelt optional field nor an empty one is a
+    silent default.
     """
 
     def __init__(self, values: object, source: str | Path, where: str = "") -> None:
@@ -51,18 +52,18 @@ class Fields:
 
     def has(self, field: str) -> bool:
         """Whether the field is given; marks it as known."""
-        return self.value(field, None) is not None
+        self._known.append(field)
+        return field in self._values
 
     def value(self, field: str, default: Any = _MISSING) -> Any:
         """Whatever the field holds, for a reader of its own."""
         self._known.append(field)
-        value = self._values.get(field)
-        if value is not None:
-            return value
-        if default is _MISSING:
-            given = ", ".join(name for name, held in self._values.items() if held is not None)
-            raise self.error(field, f"missing; given: {given or 'nothing'}")
-        return default
+        value = self._values.get(field, default)
+        if value is _MISSING:
+            raise self.error(field, f"missing; given: {', '.join(self._values) or 'nothing'}")
+        if value is None and field in self._values:
+            raise self.error(field, "it has no value: leave it out, or give one")
+        return value
 
     def text(self, field: str, default: str = _MISSING) -> str:
         """A string that is not empty."""

@@ -113,8 +113,9 @@ def _build_model(urdf: Path, floating_base: bool, limits: Fields) -> RobotModel:
 
 
 def _limit(limits: Fields, field: str, values: Array, joint_names: tuple[str, ...]) -> Array:
+    given = limits.number_or_map(field)
     try:
-        result = overridden(values, limits.number_or_map(field), joint_names, field)
+        result = overridden(values, given, joint_names, field)
     except GhcError as error:
         raise limits.error(field, str(error)) from error
     for joint, value in zip(joint_names, result, strict=True):
