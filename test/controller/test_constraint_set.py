@@ -18,6 +18,8 @@ from ghc_controller.constraints import (
     TorqueLimit,
     TorqueRateLimit,
 )
+from ghc_controller.constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
+from ghc_controller.constraints.obstacle import ObstacleDistance
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.types import Array, RobotState
@@ -161,3 +163,42 @@ def test_names_must_differ() -> None:
     model = make_model("kuka_lwr")
     with pytest.raises(InvalidValue, match="'torque_limit' is given twice"):
         ConstraintSet([TorqueLimit(1.0, 7), TorqueLimit(2.0, 7)], model)
+
+
+def _obstacles(*frames: str) -> MotionPlan:
+    """An obstacle at rest for each frame, at heights of 1 m, 2 m and so on."""
+    obstacles = []
+    for k, frame in enumerate(frames, start=1):
+        state = np.zeros((3, 3))
+        state[0, 2] = k
+        fields = (f"box_{k}", frame, 0.1, np.array([0.0, 0.0, 1.0]), state)
+        obstacles.append(PlannedObstacle(*fields, np.zeros((0, 3)), MotionStatus.RAW))
+    return MotionPlan(0.0, 0.01, 2, tuple(obstacles))
+
+
+def test_obstacles_of_frames_that_the_robot_lacks_are_left_out() -> None:
+    """The rest of the plan is followed, this one and the next."""
+    model = make_model("kuka_lwr")
+    model.update(np.zeros(model.nq), np.zeros(model.nv))
+    distance = ObstacleDistance(model, 0.1)
+    known = ", ".join(model.frame_names)
+    reasons = [str(error) for error in distance.follow(_obstacles("nose", "tool", "nose", "ear"))]
+    assert reasons == [
+        f"unknown protected frame '{name}'; known: {known}" for name in ("nose", "ear")
+    ]
+    ((entry, state),) = distance.states(0.0)
+    assert (entry.id, state[0, 2]) == ("box_2", 2.0)
+    rows = distance.rows(0.0)
+    assert rows is not None
+    assert rows.names == distance.names == ("obstacle.box_2",)
+    assert rows.matrix.shape == (1, model.nv)
+    assert distance.follow(_obstacles("tool")) == ()
+    assert distance.names == ("obstacle.box_1",)
+
+
+def test_a_plan_for_unknown_frames_alone_has_no_rows() -> None:
+    model = make_model("kuka_lwr")
+    distance = ObstacleDistance(model, 0.1)
+    assert len(distance.follow(_obstacles("nose"))) == 1
+    assert distance.rows(0.0) is None
+    assert not distance.is_stale(1.0)

@@ -59,6 +59,10 @@ class Foot:
             False,
         )
         self._bounds.follow(plan)
+        return self.later(time, touches, measured)
+
+    def later(self, time: float, touches: bool, measured: bool = True) -> NormalBounds:
+        """Bounds at a time [s] for which no new plan has come."""
         wrenches = {"foot": FORCE * touches} if measured else {}
         return self._sensing.confirm(self._bounds.at(time), time, wrenches)
 
@@ -98,3 +102,19 @@ def test_without_a_sensor_the_schedule_counts(foot: Foot) -> None:
     measured = foot.contact.sensing is None
     assert foot.at(0.9, touches=True, measured=measured).active == (False,)
     assert foot.at(1.0, touches=False, measured=measured).active == (True,)
+
+
+def test_a_contact_that_carries_at_the_first_look_keeps_its_load() -> None:
+    """A controller that takes over a robot which leans on its hand does not unload it."""
+    foot = Foot(make=0.01)  # off in robot.yaml, on in the plan
+    bounds = foot.at(0.5, touches=True)
+    assert bounds.active == (True,)
+    assert bounds.upper[0] == UPPER
+
+
+def test_a_silent_generator_breaks_no_contact_that_came_early() -> None:
+    foot = Foot(make=1.0)
+    foot.at(0.7, touches=False)
+    assert foot.at(0.8, touches=True).active == (True,)
+    for time in (1.5, 2.4, 2.8, 4.0):  # the last plan ends at 2.3 s
+        assert foot.later(time, touches=True).active == (True,)

@@ -17,7 +17,7 @@ from ghc_controller.contacts import (
 )
 from ghc_controller.controller import Controller
 from ghc_controller.controller_settings import ControllerSettings
-from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
+from ghc_controller.errors import ConfigurationError, InvalidValue
 from ghc_controller.formulations import FORMULATIONS, ContactRows
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.reference_schedule import ReferenceSchedule
@@ -180,10 +180,30 @@ def test_after_its_plan_a_contact_holds_or_is_released(robot: RobotConfig) -> No
     assert bounds.at(0.0).active == (False, False, True)
 
 
-def test_a_plan_for_an_unknown_contact_is_refused(robot: RobotConfig) -> None:
-    bounds = BoundsInForce([_contact(robot)])
-    with pytest.raises(UnknownName, match=r"heel.*tip"):
-        bounds.follow(_plan(["heel"], [0.0], [1.0]))
+def test_of_a_plan_the_contacts_that_the_robot_lacks_are_left_out(robot: RobotConfig) -> None:
+    bounds = BoundsInForce([_contact(robot, force_upper=100.0)])
+    plan = _plan(["heel", "tip", "toe"], [1.0, 2.0, 3.0], [7.0, 8.0, 9.0])
+    reasons = [str(error) for error in bounds.follow(plan)]
+    assert reasons == ["unknown contact 'heel'; known: tip", "unknown contact 'toe'; known: tip"]
+    assert bounds.planned == ("tip",)
+    for time, stale in ((0.0, ()), (1.0, ()), (1.1, ("tip",))):
+        now = bounds.at(time)
+        assert (now.lower.tolist(), now.upper.tolist()) == ([2.0], [8.0])
+        assert (now.active, now.stale) == ((True,), stale)
+    assert bounds.largest_ahead(0, 0.0, 0.5) == 8.0
+    assert bounds.follow(_plan(["tip"], [0.0], [4.0])) == ()
+    assert bounds.at(0.0).upper.tolist() == [4.0]
+
+
+def test_a_plan_for_unknown_contacts_alone_leaves_the_bounds_to_the_file(
+    robot: RobotConfig,
+) -> None:
+    bounds = BoundsInForce([_contact(robot, force_upper=100.0)])
+    assert len(bounds.follow(_plan(["heel"], [0.0], [1.0]))) == 1
+    assert bounds.planned == ()
+    for time in (0.0, 5.0):
+        now = bounds.at(time)
+        assert (now.upper.tolist(), now.active, now.stale) == ([100.0], (False,), ())
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,9 @@ import pytest
 from scipy.optimize import minimize
 
 from ghc_controller.config import Fields
-from ghc_controller.contacts import Contact, ForceCost
+from ghc_controller.contacts import Contact, ForceBoundsPlan, ForceCost, PlanStatus
 from ghc_controller.controller import Controller
+from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.robot_config import RobotConfig, load_robot_config
 from ghc_controller.robots import find_robot
@@ -122,17 +123,55 @@ def test_reset_forgets(robot: RobotConfig) -> None:
         assert np.array_equal(left, right)
 
 
-def test_a_repeated_state_keeps_its_torque() -> None:
-    """The first step knows no forces and solves twice: the next one is not felt."""
-    controller = Controller.for_robot("icub")
+@pytest.fixture(scope="module")
+def standing() -> Controller:
+    """iCub with its knees bent, on both soles."""
+    return Controller.for_robot("icub", ControllerSettings(torque_rate_limit=0.0))
+
+
+def _state(controller: Controller, time: float) -> RobotState:
     model = controller.model
     q = model.q.copy()
     legs = {"hip_pitch": 0.41, "knee": -0.9, "ankle_pitch": -0.49}
     for place, name in enumerate(model.joint_names, start=model.nq - model.na):
         q[place] = legs.get(name[2:], 0.0)
-    states = [RobotState(1e-3 * k, q, np.zeros(model.nv)) for k in range(2)]
-    first, second = (controller.step(state).torque for state in states)
+    return RobotState(time, q, np.zeros(model.nv))
+
+
+def test_the_first_step_is_not_felt_by_the_next(standing: Controller) -> None:
+    """It knows no forces and solves twice; so does a step in which a contact comes on."""
+    standing.reset()
+    first, second = (standing.step(_state(standing, 1e-3 * k)).torque for k in range(2))
     assert np.allclose(first, second, atol=1e-4)
+    c = len(standing.contacts.names)
+    palm = tuple(name == "right_palm" for name in standing.contacts.names)
+    on = tuple(
+        now or more for now, more in zip(standing.force_bounds.at(0.0).active, palm, strict=True)
+    )
+    upper = np.full((c, 2), 500.0)
+    upper[list(palm)] = 10.0
+    standing.force_bounds.follow(
+        ForceBoundsPlan(
+            *(0.002, 1.0, standing.contacts.names, np.zeros((c, 2)), upper, on),
+            *((PlanStatus.RAW,) * c, (False,) * c, False),
+        )
+    )
+    third, fourth = (standing.step(_state(standing, 1e-3 * k)).torque for k in (2, 3))
+    assert np.abs(third - second).max() > 1.0  # one more hand carries
+    assert np.allclose(third, fourth, atol=5e-3)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_a_repeated_time_changes_nothing(standing: Controller, steps: int) -> None:
+    """Whoever asks again at the same stamp gets the same torque, and the next one is the same."""
+    torques: list[Array] = []
+    for repeats in (1, 3):
+        standing.reset()
+        for k in range(steps):
+            for _ in range(repeats):
+                answer = standing.step(_state(standing, 1e-3 * k))
+        torques.append(answer.torque)
+    assert np.allclose(torques[0], torques[1], rtol=0.0, atol=1e-12)
 
 
 def _balance() -> Array:
@@ -146,8 +185,8 @@ def _settled(robot: RobotConfig, weight_force: float) -> Array:
     """(24,) forces of two feet that hold LEANING, after many steps."""
     balance, cost = _balance(), ForceCost(_feet(robot, 2), weight_force)
     force = np.zeros(24)
-    for _ in range(30):
-        center, factor = cost.of(np.arange(2), ReferenceSchedule([]), 0.0)
+    for time in range(30):
+        center, factor = cost.of(np.arange(2), ReferenceSchedule([]), float(time))
         metric = factor @ factor.T
         gap = LEANING - balance @ center
         force = center + metric @ balance.T @ np.linalg.solve(balance @ metric @ balance.T, gap)

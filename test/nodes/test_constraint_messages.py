@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from math import inf, nan
+from typing import Any
+
 import numpy as np
 import pytest
 from ghc_msgs.msg import ContactForceBounds, ControllerState, ObstacleState, ObstacleStateArray
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
+from ghc_controller.constraints.motion_plan import MotionPlan
+from ghc_controller.contacts import ForceBoundsPlan
 from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.plan_conversions import force_bounds_from_message, obstacle_motion_from_message
 from ghc_controller.ros_conversions import time_from_seconds
@@ -104,6 +109,95 @@ def test_obstacle_round_trip() -> None:
     sent.obstacles[0].jerk = sent.obstacles[0].jerk[:-1]
     with pytest.raises(GhcError, match="jerk: size 149 given, a multiple of 3 expected"):
         obstacle_motion_from_message(sent)
+
+
+def _bounds() -> ContactForceBounds:
+    """A message that can be used: one contact over two steps."""
+    message = ContactForceBounds(step=0.01, points=3, interpolate=True, contacts=["foot"])
+    message.header.stamp, message.valid_until = time_from_seconds(1.0), time_from_seconds(1.02)
+    message.lower, message.upper = [0.0] * 3, [5.0] * 3
+    message.in_contact, message.conflict, message.status = [True], [False], [3]
+    return message
+
+
+def _motion(**fields: Any) -> ObstacleStateArray:
+    """A message that can be used: one obstacle over two steps, with `fields` of it changed."""
+    entry = ObstacleState(id="box", protected_frame="tool", safe_distance=0.1, status=4)
+    entry.normal[:], entry.jerk = [0.0, 0.6, 0.8], [0.0] * 6
+    for name, value in fields.items():
+        setattr(entry, name, np.array(value) if name == "normal" else value)
+    message = ObstacleStateArray(step=0.01, obstacles=[entry])
+    message.header.stamp, message.valid_until = time_from_seconds(1.0), time_from_seconds(1.02)
+    return message
+
+
+def _received(message: Any) -> ForceBoundsPlan | MotionPlan:
+    """What the controller makes of a message."""
+    message = deserialize_message(serialize_message(message), type(message))
+    if isinstance(message, ContactForceBounds):
+        return force_bounds_from_message(message)
+    return obstacle_motion_from_message(message)
+
+
+def test_the_messages_of_the_next_tests_can_be_used() -> None:
+    assert _received(_bounds()).valid_until == pytest.approx(1.02)
+    assert _received(_motion()).valid_until == pytest.approx(1.02)
+    assert _received(_motion(normal=[0.0, 0.0, 1.0009], safe_distance=0.0, jerk=[])) is not None
+
+
+def test_an_unknown_status_is_refused_with_those_that_exist() -> None:
+    bounds = _bounds()
+    bounds.status = [4]
+    known = r"0 \(SMOOTHED\), 1 \(RAW\), 2 \(HELD\), 3 \(TIGHTENED\)"
+    with pytest.raises(
+        InvalidValue, match=f"contact_force_bounds: status 4 given; known: {known}$"
+    ):
+        _received(bounds)
+    with pytest.raises(
+        InvalidValue, match=f"'box': status 255 given; known: {known}, 4 \\(STALE\\)$"
+    ):
+        _received(_motion(status=255))
+
+
+@pytest.mark.parametrize("step", [1e-310, 0.0, -0.01, 9e-7, 10.1, inf, nan])
+def test_a_step_out_of_range_is_refused(step: float) -> None:
+    for message in (_bounds(), _motion()):
+        message.step = step
+        with pytest.raises(InvalidValue, match=f"step {step:g} s given, 1e-06 to 10 s expected"):
+            _received(message)
+
+
+def test_a_plan_that_ends_before_it_starts_is_refused() -> None:
+    for message in (_bounds(), _motion()):
+        message.valid_until = time_from_seconds(0.75)
+        with pytest.raises(InvalidValue, match=r"valid_until 0.25 s before the stamp given"):
+            _received(message)
+
+
+def test_a_plan_of_one_point_is_refused() -> None:
+    message = _bounds()
+    message.points, message.lower, message.upper = 1, [0.0], [5.0]
+    with pytest.raises(InvalidValue, match="points: 1 given, 2 or more expected"):
+        _received(message)
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"safe_distance": nan}, "safe_distance nan m given, 0 or more expected"),
+        ({"safe_distance": inf}, "safe_distance inf m given"),
+        ({"safe_distance": -0.1}, "safe_distance -0.1 m given"),
+        ({"normal": [0.0, 0.0, 0.0]}, "normal of length 0 given, 1 expected"),
+        ({"normal": [0.0, 0.0, 1.01]}, "normal of length 1.01 given"),
+        ({"normal": [0.0, nan, 1.0]}, "normal of length nan given"),
+        ({"normal": [0.0, inf, 1.0]}, "normal of length inf given"),
+        ({"jerk": [0.0] * 5 + [nan]}, "finite numbers expected"),
+        ({"jerk": [0.0] * 9}, r"jerk: size 9 given, at most 3 \* 2 expected"),
+    ],
+)
+def test_a_malformed_obstacle_is_refused(fields: dict[str, Any], words: str) -> None:
+    with pytest.raises(GhcError, match=f"obstacle 'box'.*{words}"):
+        _received(_motion(**fields))
 
 
 def test_bounds_in_force_of_the_controller() -> None:

@@ -16,6 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from ghc_controller.contacts import PlanStatus
 from ghc_controller.plan_conversions import PLAN_QOS
 from ghc_controller.robot_config import load_robot_config
 from ghc_controller.robots import find_robot
@@ -84,14 +85,18 @@ class Robot:
         message.pose.pose.orientation.w = w
         self._odom.publish(message)
 
-    def plan(self, stamp: float, contact: str = "tool", upper: float = 30.0) -> None:
-        """A constant bound over two steps."""
-        message = ContactForceBounds(step=0.01, points=3, interpolate=True, contacts=[contact])
+    def plan(
+        self, stamp: float, *contacts: str, upper: float = 30.0, status: int = PlanStatus.RAW.value
+    ) -> None:
+        """A constant bound of each contact over two steps."""
+        c = len(contacts)
+        message = ContactForceBounds(step=0.01, points=3, interpolate=True, contacts=contacts)
         message.header.stamp = time_from_seconds(stamp)
         message.header.frame_id = "0"
         message.valid_until = time_from_seconds(stamp + 0.02)
-        message.lower, message.upper = [0.0] * 3, [upper] * 3
-        message.in_contact, message.conflict, message.status = [True], [False], [0]
+        message.lower, message.upper = [0.0] * 3 * c, [upper] * 3 * c
+        message.in_contact, message.conflict = [True] * c, [False] * c
+        message.status = [status] * c
         self._plans.publish(message)
 
     def answered(self, stamp: float, again: Callable[[], None]) -> None:
@@ -133,6 +138,11 @@ def _start(start_node: Callable[..., Any], robot: Path, *parameters: str) -> Any
     )
 
 
+def _arm(context: Any) -> Robot:
+    """The robot of `arm_file`."""
+    return Robot(context, [f"joint_{i}" for i in range(1, 8)], [0.1, 0.4, 0, 1, 0, -1, 0.1])
+
+
 @pytest.fixture
 def arm_file(tmp_path: Path) -> Path:
     """The arm with a contact at its tool."""
@@ -168,13 +178,13 @@ def test_a_state_waits_for_the_plan_of_its_tick(
     ros_context: Any, start_node: Callable[..., Any], arm_file: Path
 ) -> None:
     _start(start_node, arm_file, "wait_for_bounds:=[contact_force_bounds]", "bounds_step:=0.01")
-    robot = Robot(ros_context, [f"joint_{i}" for i in range(1, 8)], [0.1, 0.4, 0, 1, 0, -1, 0.1])
+    robot = _arm(ros_context)
     robot.connected(["constraints/contact_force_bounds"])
 
     def both(state: float, tick: float) -> Callable[[], None]:
         def send() -> None:
             robot.publish(state)
-            robot.plan(tick)
+            robot.plan(tick, "tool")
 
         return send
 
@@ -188,10 +198,51 @@ def test_a_state_waits_for_the_plan_of_its_tick(
     robot.until(lambda: list(robot.state.bounded_contacts) == ["tool"])
     assert robot.state.contact_upper[0] == 30.0
 
-    robot.plan(0.02, contact="heel", upper=5.0)  # refused as a whole; the bound before stays
-    robot.answered(0.02, lambda: robot.publish(0.02))
+
+def test_of_a_plan_only_the_contact_that_the_robot_lacks_is_left_out(
+    ros_context: Any, start_node: Callable[..., Any], arm_file: Path
+) -> None:
+    """With every plan: it is counted each time, and the log hears of it once in a while."""
+    controller = _start(start_node, arm_file, "wait_for_bounds:=[contact_force_bounds]")
+    robot = _arm(ros_context)
+    robot.connected(["constraints/contact_force_bounds"])
+    field = "constraints/contact_force_bounds.left_out"
+    for tick in range(20):
+        stamp, upper = 0.01 * tick, 30.0 - tick
+
+        def send(stamp: float = stamp, upper: float = upper) -> None:
+            robot.plan(stamp, "heel", "tool", upper=upper)
+            robot.publish(stamp)
+
+        robot.answered(stamp, send)
+    robot.until(lambda: list(robot.state.contact_upper) == [11.0] and robot.rejected(field) >= 20)
+    assert list(robot.state.bounded_contacts) == ["tool"]
+    assert robot.rejected("constraints/contact_force_bounds") == 0
+    reason = f"{field}: unknown contact 'heel'; known: tool"
+    assert 1 <= controller.output.count(reason) < 10
+
+
+def test_a_malformed_plan_is_refused_as_a_whole_and_the_node_lives(
+    ros_context: Any, start_node: Callable[..., Any], arm_file: Path
+) -> None:
+    controller = _start(start_node, arm_file, "wait_for_bounds:=[contact_force_bounds]")
+    robot = _arm(ros_context)
+    robot.connected(["constraints/contact_force_bounds"])
+
+    def send(stamp: float, **fields: Any) -> Callable[[], None]:
+        def both() -> None:
+            robot.plan(stamp, "tool", **fields)
+            robot.publish(stamp)
+
+        return both
+
+    robot.answered(0.0, send(0.0))
+    robot.answered(0.01, send(0.01, upper=5.0, status=9))
     robot.until(lambda: robot.rejected("constraints/contact_force_bounds") > 0)
-    assert robot.state.contact_upper[0] == 30.0
+    assert list(robot.state.contact_upper) == [30.0]
+    assert "status 9 given; known: 0 (SMOOTHED), 1 (RAW)" in controller.output
+    robot.answered(0.02, send(0.02, upper=6.0))
+    robot.until(lambda: list(robot.state.contact_upper) == [6.0])
 
 
 def test_a_floating_base_needs_odometry_of_its_stamp(

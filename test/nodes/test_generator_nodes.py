@@ -252,6 +252,27 @@ def test_a_schedule_is_used_from_the_time_at_which_it_is_known(
     assert last[10:] == [10.0] * 2
 
 
+def test_every_epoch_is_planned_from_the_script(world: Surroundings, start: Any) -> None:
+    """A schedule known from 0.15 s, when the first entry is past, does not reach into the next."""
+    start("contact_force_bounds", horizon=0.5, lockstep="true")
+    world.tick(0.0)
+    world.schedule([0.0, 0.1, 0.2], [40.0, 0.0, 40.0])
+    world.schedule([0.25], [10.0], known_from=time_from_seconds(0.15))
+    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
+    epochs = []
+    for epoch in "012":
+        world.epoch = epoch
+        epochs.append([world.tick(k * STEP) for k in range(30)])
+    for first, *others in zip(*epochs, strict=True):
+        for other in others:
+            assert list(other.in_contact) == list(first.in_contact)
+            assert list(other.lower) == list(first.lower)
+            assert list(other.upper) == list(first.upper)
+    assert epochs[2][0].upper[0] == 40.0
+    assert epochs[2][14].upper[-1] > 20.0
+    assert epochs[2][15].upper[-1] <= 10.0
+
+
 def test_a_restarted_generator_takes_over_from_the_bound_in_force(
     world: Surroundings, start: Any
 ) -> None:

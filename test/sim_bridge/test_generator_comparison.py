@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
-from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_controller.robot_config import load_robot_config
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.robots import find_robot
@@ -205,12 +205,14 @@ def test_a_series_is_what_was_reported_and_survives_its_file(tmp_path: Path) -> 
         ConstraintSeries.load(tmp_path / "nothing.npz")
 
 
-def made_up_run(folder: Path, scenario: str, on: bool, sizes: float) -> GeneratorAnalysis:
+def made_up_run(
+    folder: Path, scenario: str, on: bool, sizes: float, normal: Any = (0.0, 0.0, 1.0)
+) -> GeneratorAnalysis:
     """A run whose torque steps by `sizes` [Nm] at every event of the scenario."""
     plan = make_plan(load_scenario(scenario), RunOptions(generators=on), folder)
     plan.folder.mkdir(parents=True)
     (plan.folder / "robot.yaml").write_text(
-        yaml.safe_dump({"contacts": [{"name": "tool", "normal": [0, 0, 1]}]}), encoding="utf-8"
+        yaml.safe_dump({"contacts": [{"name": "tool", "normal": normal}]}), encoding="utf-8"
     )
     log = made_up_log(
         plan.duration, {event.time: sizes for event in plan.scenario.events}, lambda t: 10.0 + t
@@ -299,3 +301,41 @@ def test_ways_stand_beside_each_other_under_their_names(tmp_path: Path) -> None:
     assert "@ 1 ms" in ways_table(data)
     save_png(ways_figure(ways), tmp_path / "ways.png")
     assert (tmp_path / "ways.png").stat().st_size > 10_000
+
+
+def watching(run: GeneratorAnalysis) -> GeneratorAnalysis:
+    """The run, with its scenario watching the first joint."""
+    plan = run.analysis.plan
+    plan = replace(plan, scenario=replace(plan.scenario, watched_joints=("joint_1",)))
+    return replace(run, analysis=replace(run.analysis, plan=plan))
+
+
+def test_ways_without_contact_schedules_have_no_row_of_forces(tmp_path: Path) -> None:
+    """Torques and their rates; a way without a schedule beside one that has it is left blank."""
+    kinds = ("force_bound_step", "obstacle_jump")
+    force, jump = (watching(made_up_run(tmp_path, kind, True, 5.0)) for kind in kinds)
+    figure = ways_figure({"a": jump, "b": jump})
+    assert len(figure.axes) == 2 * 2
+    assert [ax.get_ylabel() for ax in figure.axes[::2]] == [
+        "joint torque [Nm]",
+        "torque rate [Nm/s]",
+    ]
+    save_png(figure, tmp_path / "ways.png")
+    mixed = ways_figure({"a": jump, "b": force}).axes
+    assert len(mixed) == 3 * 2
+    assert "contact tool" in mixed[0].get_ylabel()
+    lines = [[line.get_label() for line in ax.get_lines()] for ax in mixed[:2]]
+    assert ["simulated" in labels for labels in lines] == [False, True]
+
+
+def test_a_force_is_taken_along_a_normal_of_any_length(tmp_path: Path) -> None:
+    """Three components are needed: one number is no direction."""
+    name = "force_bound_step"
+    unit = made_up_run(tmp_path / "1", name, True, 5.0)
+    double = made_up_run(tmp_path / "2", name, True, 5.0, (0.0, 0.0, 2.0))
+    np.testing.assert_array_equal(double.forces["tool"], unit.forces["tool"])
+    assert double.following == unit.following
+    with pytest.raises(InvalidValue, match=r"contact 'tool': normal .* a direction expected"):
+        made_up_run(tmp_path / "3", name, True, 5.0, (0.0, 0.0, 0.0))
+    with pytest.raises(ConfigurationError, match=r"contacts\[0\].normal: 3 numbers expected"):
+        made_up_run(tmp_path / "4", name, True, 5.0, 1.0)

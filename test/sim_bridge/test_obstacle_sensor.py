@@ -108,6 +108,7 @@ def test_a_scene_with_obstacles_is_read_as_it_stands(tmp_path: Path) -> None:
         ("time: 2.0", "time: 0.0", r"obstacles\[0\].track: increasing times expected, 0 s"),
         ("safe_distance: 0.1", "", r"obstacles\[0\].safe_distance: missing"),
         ("[1, 0, 0]", "[1, 0]", r"obstacles\[0\].track\[0\].position: 3 numbers expected"),
+        ("{time: 2.0}", "{time: 2.0, position: }", r"track\[1\].position: it has no value: leave"),
     ],
 )
 def test_a_wrong_scene_is_told_file_and_field(

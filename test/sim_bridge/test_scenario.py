@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
+from ghc_sim_bridge import experiment
 from ghc_sim_bridge.references import Lemniscate
 from ghc_sim_bridge.run_plan import RunOptions, make_plan, parse_parameter
 from ghc_sim_bridge.scenario import load_scenario, scenario_names
@@ -273,6 +274,7 @@ def test_generators_with_steps_that_differ_are_refused(tmp_path: Path) -> None:
     ("changes", "words"),
     [
         ({"generators": {"walls": {}}}, ["generators.walls", "obstacle_bounds"]),
+        ({"generators": {"obstacle_bounds": None}}, ["generators.obstacle_bounds", "no value"]),
         ({"contact_schedules": [{"contact": "a", "bounds": []}]}, ["contact_schedules[0].bounds"]),
         (
             {"contact_schedules": [{"contact": "a", "bounds": [{"time": 0, "upper": 1}]}]},
@@ -299,3 +301,44 @@ def test_what_is_wrong_with_generators_is_told_by_its_field(
         load_scenario(write(tmp_path, **changes))
     for word in ["mine.yaml", *words]:
         assert word in str(caught.value)
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_scenarios_of_the_package_load_in_every_variant(name: str) -> None:
+    for variant in load_scenario(name).variants or ("",):
+        assert load_scenario(name, variant).name == name
+
+
+def test_a_generator_without_parameters_is_an_empty_mapping(tmp_path: Path) -> None:
+    generators: dict[str, object] = {"contact_force_bounds": {}, "obstacle_bounds": {}}
+    assert load_scenario(write(tmp_path, generators=generators)).generators == generators
+
+
+SCHEDULED = {
+    "generators": {"contact_force_bounds": {}},
+    "contact_schedules": [
+        {"contact": "nose", "bounds": [{"time": 0.0, "lower": 0.0, "upper": 9.0}]}
+    ],
+}
+TOOL = {"name": "tool", "frame": "tool", "points": [[0, 0, 0]], "normal": [0, 0, 1]}
+
+
+@pytest.mark.parametrize(
+    ("contacts", "known"), [([], "none"), ([TOOL, TOOL | {"name": "hand"}], "tool, hand")]
+)
+def test_a_schedule_of_a_contact_that_the_robot_has_not_starts_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], contacts: list[object], known: str
+) -> None:
+    """One line with what was given and the contacts of the robot as the scenario changes it."""
+    path = write(tmp_path, **SCHEDULED, robot_changes={"contacts": contacts})
+    assert experiment.main(["--scenario", path, "--output", str(tmp_path / "results")]) == 2
+    assert capsys.readouterr().err == (
+        f"experiment: unknown contact in a schedule of scenario 'mine' 'nose'; known: {known}\n"
+    )
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_contact_that_the_scenario_adds_may_have_a_schedule(tmp_path: Path) -> None:
+    changes = {"contacts": [TOOL | {"name": "nose"}]}
+    scenario = load_scenario(write(tmp_path, **SCHEDULED, robot_changes=changes))
+    assert make_plan(scenario, RunOptions(), tmp_path).changes == changes

@@ -179,12 +179,7 @@ class Controller:
         applied = self._applied if state.torque is None else state.torque
         limits = self._limits = self._update_limits(dynamics, state, applied)
         after_terms = perf_counter()
-        solution = self._solve(limits)
-        if self._last is None and limits.contact_rows is not None:
-            # The cost on contact forces knows none yet; once more, so that the next step is small.
-            rows = self._contact_rows(limits.normal_bounds, state.time)
-            limits = self._limits = replace(limits, contact_rows=rows)
-            solution = self._solve(limits)
+        solution = self._solve(limits, state.time)
         after_solve = perf_counter()
         status = _STATUS[solution.status]
         if status is StepStatus.FALLBACK:
@@ -282,10 +277,24 @@ class Controller:
     def _contact_rows(self, bounds: NormalBounds, time: float) -> ContactRows | None:
         return self.contacts.rows(self.model, bounds, self.force_references, time)
 
-    def _solve(self, limits: Limits) -> Solution:
+    def _solve(self, limits: Limits, time: float) -> Solution:
+        """Twice where a contact has just come on: its cost expands about forces of a first answer.
+
+        Without that the forces would jump once more in the next step.
+        """
+        active = limits.normal_bounds.active
         solution = self.formulation.solve(self.problem())
-        self.contacts.remember(limits.normal_bounds.active, solution.force)
-        return solution
+        self.contacts.remember(active, solution.force)
+        if solution.status is SolutionStatus.FAILED or self.contacts.knows_forces(active):
+            return solution
+        self.contacts.advance()
+        rows = self._contact_rows(limits.normal_bounds, time)
+        self._limits = replace(limits, contact_rows=rows)
+        again = self.formulation.solve(self.problem())
+        if again.status is SolutionStatus.FAILED:
+            return solution
+        self.contacts.remember(active, again.force)
+        return again
 
     def sigma_min_of(self, alpha: Array) -> float:
         """Smallest singular value of [P_1 .. P_k] at the present configuration."""

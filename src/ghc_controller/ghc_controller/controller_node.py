@@ -95,6 +95,12 @@ class ControllerNode:
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
             f"{self._controller.formulation.name}, solver {p.qp_solver}: ready"
         )
+        unheard = sorted(set(self._controller.robot.felt_contacts) - set(p.wait_for_contacts))
+        if unheard:
+            self.node.get_logger().warning(
+                f"the wrench of {', '.join(unheard)} is used by robot.yaml and not listened to: "
+                "name it in the parameter wait_for_contacts"
+            )
 
     def _publish_and_listen(self, stop: Future) -> None:
         node, p = self.node, self._parameters

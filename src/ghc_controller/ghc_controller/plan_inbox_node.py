@@ -12,12 +12,14 @@ from typing import TypeAlias
 from ghc_msgs.msg import ContactForceBounds, ObstacleStateArray
 
 from ghc_controller.controller import Controller
-from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.epoch import epoch_number
+from ghc_controller.errors import GhcError, UnknownName
 from ghc_controller.plan_conversions import (
     force_bounds_from_message,
     obstacle_motion_from_message,
 )
 from ghc_controller.ros_conversions import NANOSECONDS, nanoseconds_from_time
+from ghc_controller.value_checks import shown
 
 FORCE_BOUNDS, OBSTACLE_MOTION = "contact_force_bounds", "obstacle_motion"
 PLANS: dict[str, type] = {FORCE_BOUNDS: ContactForceBounds, OBSTACLE_MOTION: ObstacleStateArray}
@@ -31,7 +33,8 @@ Message: TypeAlias = "ContactForceBounds | ObstacleStateArray"
 class PlanInbox:
     """Keeps plans of each generator until a state at or after their start is answered.
 
-    A plan that cannot be used is refused as a whole, and the one before stays in force.
+    A malformed plan is refused as a whole, and the one before stays in force. Of a plan for
+    contacts or frames of which the robot lacks some, those are left out and the rest is followed.
     """
 
     def __init__(
@@ -44,7 +47,7 @@ class PlanInbox:
 
         Args:
             received: told the name of a plan, its stamp [ns] and its epoch.
-            reject: told the field and the reason of a refusal.
+            reject: told the field and the reason of a refusal, or of what is left out.
         """
         self._controller = controller
         self._received = received
@@ -56,10 +59,12 @@ class PlanInbox:
     def take(self, name: str, message: Message) -> None:
         """Keep a message for the next state."""
         topic, epoch = f"constraints/{name}", message.header.frame_id
-        if epoch and not epoch.isdecimal():
-            self._reject(f"{topic}.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
+        number, start_ns = epoch_number(epoch), nanoseconds_from_time(message.header.stamp)
+        if number is None:
+            self._reject(
+                f"{topic}.frame_id", f"{shown(epoch)} given, an epoch such as '0' expected"
+            )
             return
-        number, start_ns = int(epoch or 0), nanoseconds_from_time(message.header.stamp)
         # Generators plan ahead: one plan may wait for its start and the next for a new epoch.
         self._waiting[name] = [*self._waiting[name][1 - _WAITING :], (number, start_ns, message)]
         self._received(name, start_ns, number)
@@ -73,16 +78,10 @@ class PlanInbox:
             self._waiting[name] = [plan for plan in waiting if plan[:2] > (epoch, now_ns)]
             if not begun:
                 continue
-            message = begun[-1]
             try:
-                self._follow(message)
+                self._follow(name, begun[-1])
             except GhcError as error:
                 self._reject(f"constraints/{name}", str(error))
-            else:
-                stamp_ns = nanoseconds_from_time(message.header.stamp)
-                self._followed[name] = stamp_ns / NANOSECONDS
-                end_ns = nanoseconds_from_time(message.valid_until)
-                self._ends[name] = end_ns / NANOSECONDS
 
     def forget(self) -> None:
         """Time starts again: no plan is in force."""
@@ -97,11 +96,15 @@ class PlanInbox:
                 complaints.append(f"constraints/{name}: last plan {now - stamp:.2f} s old, {what}")
         return "; ".join(complaints)
 
-    def _follow(self, message: Message) -> None:
-        controller = self._controller
-        if not message.step > 0.0:
-            raise InvalidValue(f"step {message.step} s given, more than 0 expected")
+    def _follow(self, name: str, message: Message) -> None:
+        left_out = self._hand_to_controller(message)
+        self._followed[name] = nanoseconds_from_time(message.header.stamp) / NANOSECONDS
+        self._ends[name] = nanoseconds_from_time(message.valid_until) / NANOSECONDS
+        if left_out:
+            # A field of its own: it comes with every plan and must not hide what else is refused.
+            self._reject(f"constraints/{name}.left_out", "; ".join(map(str, left_out)))
+
+    def _hand_to_controller(self, message: Message) -> tuple[UnknownName, ...]:
         if isinstance(message, ContactForceBounds):
-            controller.force_bounds.follow(force_bounds_from_message(message))
-        else:
-            controller.obstacles.follow(obstacle_motion_from_message(message))
+            return self._controller.force_bounds.follow(force_bounds_from_message(message))
+        return self._controller.obstacles.follow(obstacle_motion_from_message(message))

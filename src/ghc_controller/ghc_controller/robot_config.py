@@ -66,6 +66,13 @@ class RobotConfig:
         """Names of the tasks, in the order of the file."""
         return tuple(task.name for task in self.tasks)
 
+    @property
+    def felt_contacts(self) -> tuple[str, ...]:
+        """Names of the contacts whose measured wrench is used: by sensing, or by force control."""
+        sensed = [contact.name for contact in self.contacts if contact.sensing is not None]
+        pressed = [task.force.contact for task in self.tasks if task.force is not None]
+        return tuple(dict.fromkeys(sensed + pressed))
+
 
 def load_robot_config(path: str | Path) -> RobotConfig:
     """Read robot.yaml and the URDF that it names, and build model and tasks.

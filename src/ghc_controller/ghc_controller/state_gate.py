@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Generic, TypeVar
 
+from ghc_controller.epoch import epoch_number
 from ghc_controller.types import Array
 
 M = TypeVar("M")
@@ -61,9 +62,9 @@ class StateGate(Generic[M]):
 
     def state(self, message: M, stamp_ns: int, epoch: str) -> Verdict:
         """Judge a state message by its stamp and epoch (`frame_id`; "" is epoch 0)."""
-        if epoch and not epoch.isdecimal():
+        number = epoch_number(epoch)
+        if number is None:
             return Verdict.MALFORMED
-        number = int(epoch or 0)
         if number < self.epoch:
             return Verdict.STALE
         if number > self.epoch:

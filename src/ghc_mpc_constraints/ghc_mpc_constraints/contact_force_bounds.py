@@ -79,7 +79,11 @@ class ContactForceBounds:
             self._handed_over[contact] = (lower, upper)
 
     def reset(self) -> None:
-        """Forget plans and bounds in force: time starts again; schedules stay."""
+        """Forget schedules, plans and bounds in force: time starts again.
+
+        Schedules have to be set again: what was merged has lost its past.
+        """
+        self._schedules.clear()
         self._plan = None
         self._handed_over.clear()
 

@@ -30,7 +30,7 @@ from ghc_mpc_constraints.ros_conversions import (
     force_bounds_message,
     schedule_from_message,
 )
-from ghc_mpc_constraints.schedule_inbox import ScheduleInbox
+from ghc_mpc_constraints.schedule_inbox import MOST_KEPT, ScheduleInbox
 
 NODE_NAME = "contact_force_bounds"
 
@@ -76,8 +76,14 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         self._plans.publish(self._message)
 
     def reset(self) -> None:
-        """Forget plans: time starts again; schedules stay."""
+        """Forget plans: time starts again, and with it the schedules that came."""
         self._generator.reset()
+        self._inbox.restart()
+        if self._inbox.not_kept:
+            self.node.get_logger().warning(
+                f"{self._inbox.not_kept} schedules are not known again: more than {MOST_KEPT} "
+                "came for a contact"
+            )
 
     def take_over(self, controller_state: bytes) -> bool:
         """Start from the bounds in force; False while a contact of theirs has no schedule."""

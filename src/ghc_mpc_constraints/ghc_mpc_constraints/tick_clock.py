@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import Enum
 
+from ghc_controller.epoch import epoch_number
+
 
 class Due(Enum):
     """What a stamp asks of a generator."""
@@ -44,9 +46,9 @@ class TickClock:
     def judge(self, stamp_ns: int, epoch: str) -> Due:
         """What is due at a stamp; `new_epoch` says whether everything starts again with it."""
         self.new_epoch = False
-        if epoch and not epoch.isdecimal():
+        number = epoch_number(epoch)
+        if number is None:
             return Due.MALFORMED
-        number = int(epoch or 0)
         if number < self.epoch:
             return Due.STALE
         if number > self.epoch:

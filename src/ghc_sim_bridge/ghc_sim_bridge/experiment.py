@@ -67,7 +67,7 @@ def _run(options: argparse.Namespace) -> int:
         return 2
     done = [_report(sides_of_one) for sides_of_one in plans]
     if len(plans) > 1 and all(done):
-        if first.watched_joints:
+        if first.watched_joints and first.generators:
             from ghc_sim_bridge.ways_comparison import compare_ways
 
             compare_ways([plan for sides_of_one in plans for plan in sides_of_one])

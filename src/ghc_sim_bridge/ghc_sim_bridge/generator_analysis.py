@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ghc_controller.config import read_yaml
+from ghc_controller.config import Fields, read_yaml
+from ghc_controller.contacts.contact import contact_axes
 from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import Analysis
 from ghc_sim_bridge.constraint_series import ConstraintSeries
@@ -90,10 +91,16 @@ def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> Generato
 
 
 def _contact_normals(folder: Path, robot: str) -> dict[str, Array]:
-    """Contact -> (3,) unit normal, world axes, of the robot file of a run."""
+    """Contact -> (3,) unit normal, world axes, of the robot file of a run.
+
+    Raises ConfigurationError (no vector of three numbers) or InvalidValue (no direction).
+    """
     changed = folder / "robot.yaml"
     fields = read_yaml(changed if changed.is_file() else find_robot(robot))
-    return {
-        contact.text("name"): np.array(contact.numbers("normal", 3))
-        for contact in fields.sections("contacts", optional=True)
-    }
+    return dict(_contact_normal(contact) for contact in fields.sections("contacts", optional=True))
+
+
+def _contact_normal(contact: Fields) -> tuple[str, Array]:
+    """Name and unit normal, made as the controller makes it: in the file any length will do."""
+    name = contact.text("name")
+    return name, contact_axes(np.array(contact.vector("normal", 3)), name)[2]

@@ -37,13 +37,13 @@ class Event:
 def read_generators(fields: Fields) -> Mapping[str, Mapping[str, Any]]:
     """Node -> its parameters; every generator that is named is started.
 
-    Raises ConfigurationError for a node that is no generator.
+    Raises ConfigurationError for a node that is no generator, or one without a value.
     """
     for name in fields.given():
         if name not in GENERATORS:
             raise fields.error(name, f"unknown generator; known: {', '.join(GENERATORS)}")
-    # A generator without parameters of its own is written as `name:` or `name: {}`.
-    sections = {name: fields.section(name, optional=True) for name in fields.given()}
+    # A generator without parameters of its own is written as `name: {}`.
+    sections = {name: fields.section(name) for name in fields.given()}
     return {
         name: {parameter: section.value(parameter) for parameter in section.given()}
         for name, section in sections.items()

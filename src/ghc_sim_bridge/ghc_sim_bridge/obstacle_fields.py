@@ -46,6 +46,7 @@ def read_obstacle(fields: Fields) -> Obstacle:
 
 
 def _sighting(fields: Fields) -> Sighting:
+    """An entry of `track`; the obstacle is not seen where `position` is left out."""
     position = read_vector(fields, "position") if fields.has("position") else None
     sighting = Sighting(fields.number("time", minimum=0.0), position)
     fields.done()

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from ghc_controller.config import read_yaml
+from ghc_controller.config import Fields, read_yaml
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.urdf_source import find_urdf
 
@@ -20,14 +20,29 @@ def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) 
     of the robot's); the URDF becomes an absolute path. Raises UnknownName for a task or contact
     that the robot has not, ConfigurationError for anything malformed.
     """
+    merged = _changed(source, changes)
+    merged["urdf"] = str(find_urdf(merged.get("urdf"), source).resolve())
+    target.write_text(yaml.safe_dump(merged, sort_keys=False), encoding="utf-8")
+    return target
+
+
+def contact_names(source: Path, changes: Mapping[str, Any]) -> tuple[str, ...]:
+    """Names of the contacts that the robot of `source` has with `changes`.
+
+    Raises as `write_changed_robot` does, but for the URDF, which is not looked for.
+    """
+    fields = Fields(_changed(source, changes), source)
+    return tuple(entry.text("name") for entry in fields.sections("contacts", optional=True))
+
+
+def _changed(source: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """What `source` holds, with `changes` merged in."""
     robot = read_yaml(source).values
     named = {key: value for key, value in changes.items() if _is_by_name(key, value)}
     merged = _merge(robot, {key: value for key, value in changes.items() if key not in named})
     for kind, by_name in named.items():
         merged[kind] = _merge_named(source, kind, robot.get(kind, []), by_name)
-    merged["urdf"] = str(find_urdf(merged.get("urdf"), source).resolve())
-    target.write_text(yaml.safe_dump(merged, sort_keys=False), encoding="utf-8")
-    return target
+    return merged
 
 
 def _merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

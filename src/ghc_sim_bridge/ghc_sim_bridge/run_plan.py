@@ -12,7 +12,9 @@ import yaml
 
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import FORMULATIONS
+from ghc_controller.robots import find_robot
 from ghc_sim_bridge.keyframe_references import keyframe_references
+from ghc_sim_bridge.robot_changes import contact_names
 from ghc_sim_bridge.run_parameters import node_parameters
 from ghc_sim_bridge.scenario import NODES, Phase, Scenario
 
@@ -89,8 +91,8 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
     """The run of a scenario under options; `output` is the root of all results.
 
     An `hqp` run switches at once (a cascade of strict levels has nothing in between) unless a
-    transition is given. Raises InvalidValue (option out of range) or UnknownName (formulation,
-    mode).
+    transition is given. Raises InvalidValue (option out of range), UnknownName (formulation,
+    mode, robot, contact of a schedule) or ConfigurationError (the robot's file).
     """
     _check_options(options)
     scenario = _with_keyframes(scenario)
@@ -120,7 +122,9 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
         is_default=is_default,
         changes=scenario.robot_changes,
     )
-    return replace(plan, parameters=node_parameters(plan))
+    plan = replace(plan, parameters=node_parameters(plan))
+    _check_contacts(plan)
+    return plan
 
 
 def _with_keyframes(scenario: Scenario) -> Scenario:
@@ -133,6 +137,22 @@ def _with_keyframes(scenario: Scenario) -> Scenario:
             raise InvalidValue(f"scenario '{scenario.name}': task '{task}' has two references")
     found = keyframe_references(scenario.keyframes, scenario.robot, scenario.scene)
     return replace(scenario, references=scenario.references + found, keyframes=None)
+
+
+def _check_contacts(plan: RunPlan) -> None:
+    """Refuse schedules of contacts that the robot, as changed for this run, has not.
+
+    Raises UnknownName, or ConfigurationError for a robot's file that cannot be read.
+    """
+    scheduled = [schedule.contact for schedule in plan.scenario.contact_schedules]
+    if not scheduled:
+        return
+    robot = find_robot(str(plan.parameters["controller"]["robot"]))
+    known = contact_names(robot, plan.changes)
+    for contact in scheduled:
+        if contact not in known:
+            kind = f"contact in a schedule of scenario '{plan.scenario.name}'"
+            raise UnknownName(kind, contact, known)
 
 
 def _check_options(options: RunOptions) -> None:

@@ -16,30 +16,34 @@ _REACH = 1.5  # [s] shown before and after the events
 
 
 def ways_figure(ways: Mapping[str, GeneratorAnalysis]) -> Figure:
-    """Normal force of the first contact with a schedule, then the watched joints."""
+    """Normal force of the first contact with a schedule, if there is one; the watched joints."""
     plan = next(iter(ways.values())).analysis.plan
+    contacts = [_scheduled_contact(run) for run in ways.values()]
+    contact = next((name for name in contacts if name is not None), None)
+    rows = 2 if contact is None else 3
     times = [event.time for event in plan.scenario.events] or [0.0, plan.duration]
     span = (max(0.0, min(times) - _REACH), min(plan.duration, max(times) + _REACH))
     with styled():
-        figure = new_figure(3.6 * len(ways) + 0.6, 6.6)
-        axes = figure.subplots(3, len(ways), sharex=True, sharey="row", squeeze=False)
+        figure = new_figure(3.6 * len(ways) + 0.6, 2.0 * rows + 0.6)
+        axes = figure.subplots(rows, len(ways), sharex=True, sharey="row", squeeze=False)
         for column, (title, run) in enumerate(ways.items()):
-            _draw_force(axes[0, column], run)
-            _draw_torques(axes[1, column], run, plan.scenario.watched_joints)
-            _draw_rates(axes[2, column], run, plan.scenario.watched_joints, span)
+            if contact is not None:
+                _draw_force(axes[0, column], run)
+            _draw_torques(axes[-2, column], run, plan.scenario.watched_joints)
+            _draw_rates(axes[-1, column], run, plan.scenario.watched_joints, span)
             axes[0, column].set_title(title)
-            axes[2, column].set_xlabel("time [s]")
+            axes[-1, column].set_xlabel("time [s]")
             for ax in axes[:, column]:
                 ax.set_xlim(*span)
                 for event in plan.scenario.events:
                     ax.axvline(event.time, color="#999999", lw=0.8, ls=":", zorder=0)
                 ax.tick_params(labelleft=True)
-        contact = plan.scenario.contact_schedules[0].contact
-        axes[0, 0].set_ylabel(f"normal force of\ncontact {contact} [N]")
-        axes[1, 0].set_ylabel("joint torque [Nm]")
-        axes[2, 0].set_ylabel("torque rate [Nm/s]")
-        axes[0, -1].legend(loc="best")
-        axes[1, -1].legend(loc="best")
+        if contact is not None:
+            axes[0, 0].set_ylabel(f"normal force of\ncontact {contact} [N]")
+            axes[0, -1].legend(loc="best")
+        axes[-2, 0].set_ylabel("joint torque [Nm]")
+        axes[-1, 0].set_ylabel("torque rate [Nm/s]")
+        axes[-2, -1].legend(loc="best")
         figure.suptitle(
             f"{plan.scenario.title} ({plan.formulation}, control period "
             f"{1e3 * plan.control_dt:g} ms)",
@@ -48,9 +52,15 @@ def ways_figure(ways: Mapping[str, GeneratorAnalysis]) -> Figure:
     return figure
 
 
+def _scheduled_contact(run: GeneratorAnalysis) -> str | None:
+    """The first contact with a schedule; None where the scenario has no schedules."""
+    schedules = run.analysis.plan.scenario.contact_schedules
+    return schedules[0].contact if schedules else None
+
+
 def _draw_force(ax: Axes, run: GeneratorAnalysis) -> None:
-    name = run.analysis.plan.scenario.contact_schedules[0].contact
-    if name not in run.forces:
+    name = _scheduled_contact(run)
+    if name is None or name not in run.forces:
         return
     time, values = run.series.time, run.series.contacts[name]
     ax.plot(run.analysis.log.time, run.forces[name], color=colour(5), lw=0.8, label="simulated")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numba
@@ -60,6 +61,11 @@ class MotionPlan:
     def valid_until(self) -> float:
         """End of the plan [s]."""
         return self.start + self.step * self.steps
+
+    def without(self, frames: Collection[str]) -> MotionPlan:
+        """The plan of the obstacles that threaten none of these frames."""
+        kept = tuple(entry for entry in self.obstacles if entry.frame not in frames)
+        return replace(self, obstacles=kept)
 
 
 @numba.njit(cache=True)

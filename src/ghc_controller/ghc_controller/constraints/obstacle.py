@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from ghc_controller.constraints.motion_plan import MotionPlan, PlannedObstacle
-from ghc_controller.errors import InvalidValue
+from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations.problem import AccelerationRows
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.types import Array
@@ -39,16 +39,22 @@ class ObstacleDistance:
         self._no_upper = np.zeros(0)
         self.names: tuple[str, ...] = ()
 
-    def follow(self, plan: MotionPlan) -> None:
-        """Take a plan over; obstacles that it leaves out have gone.
+    def follow(self, plan: MotionPlan) -> tuple[UnknownName, ...]:
+        """Take a plan over, as far as its protected frames exist; obstacles not in it have gone.
 
-        Raises:
-            UnknownName: a protected frame that the robot does not have.
+        Returns:
+            What is wrong with each frame whose obstacles were left out; empty when none was.
         """
+        known = self._model.frame_names
+        given = dict.fromkeys(entry.frame for entry in plan.obstacles)
+        unknown = tuple(frame for frame in given if frame not in known)
+        if unknown:
+            plan = plan.without(unknown)
         self._frames = tuple(self._model.frame_id(entry.frame) for entry in plan.obstacles)
         self.names = tuple(f"obstacle.{entry.id}" for entry in plan.obstacles)
         self._no_upper = np.full(len(plan.obstacles), np.inf)
         self._plan = plan
+        return tuple(UnknownName("protected frame", frame, known) for frame in unknown)
 
     def states(self, time: float) -> tuple[tuple[PlannedObstacle, Array], ...]:
         """The obstacles with their virtual states (3, 3) at `time` [s]; rows as in the plan."""

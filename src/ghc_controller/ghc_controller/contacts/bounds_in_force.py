@@ -50,15 +50,15 @@ class BoundsInForce:
         self._held = _NOWHERE
         self._active = tuple(contact.active for contact in self._contacts)
 
-    def follow(self, plan: ForceBoundsPlan) -> None:
-        """Take a plan over.
+    def follow(self, plan: ForceBoundsPlan) -> tuple[UnknownName, ...]:
+        """Take a plan over, as far as it speaks of contacts that the robot has.
 
-        Raises:
-            UnknownName: it names a contact that the robot does not have.
+        Returns:
+            What is wrong with each contact that was left out; empty when none was.
         """
-        for name in plan.contacts:
-            if name not in self._names:
-                raise UnknownName("contact", name, self._names)
+        unknown = tuple(name for name in plan.contacts if name not in self._names)
+        if unknown:
+            plan = plan.without(unknown)
         self._plan = plan
         places = [self._names.index(name) for name in plan.contacts]
         self._places = np.array(places, dtype=np.intp)
@@ -68,6 +68,7 @@ class BoundsInForce:
         for place, on in zip(places, plan.in_contact, strict=True):
             active[place] = on
         self._active = tuple(active)
+        return tuple(UnknownName("contact", name, self._names) for name in unknown)
 
     def at(self, time: float) -> NormalBounds:
         """Bounds at `time` [s]."""

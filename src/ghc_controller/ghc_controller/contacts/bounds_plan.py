@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import compress
 
 import numpy as np
 from numba import njit
@@ -47,6 +49,19 @@ class ForceBoundsPlan:
     def at(self, time: float) -> tuple[Array, Array]:
         """Lower and upper bounds (c,) [N] at a time [s]; the ends are held outside the plan."""
         return bounds_at(self.lower, self.upper, (time - self.start) / self.step, self.smoothed)
+
+    def without(self, names: Collection[str]) -> ForceBoundsPlan:
+        """The plan of the contacts that have none of these names."""
+        kept = np.array([name not in names for name in self.contacts], dtype=np.bool_)
+        return replace(
+            self,
+            contacts=tuple(compress(self.contacts, kept)),
+            lower=self.lower[kept],
+            upper=self.upper[kept],
+            in_contact=tuple(compress(self.in_contact, kept)),
+            status=tuple(compress(self.status, kept)),
+            conflict=tuple(compress(self.conflict, kept)),
+        )
 
     @property
     def first_rates(self) -> tuple[Array, Array]:

@@ -88,7 +88,7 @@ class Contact:
             name,
             model.frame_id(frame),
             np.array(fields.vectors("points", 3)),
-            contact_axes(np.array(fields.numbers("normal", 3)), name),
+            contact_axes(np.array(fields.vector("normal", 3)), name),
             fields.number("friction", 0.5, minimum=0.0),
             lower,
             upper,

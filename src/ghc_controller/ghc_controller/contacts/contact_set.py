@@ -119,7 +119,7 @@ class ContactSet:
         )
 
     def remember(self, active: tuple[bool, ...], force: Array) -> None:
-        """Take the forces (c,) of the QP, with the contacts that were on; the next rows need them.
+        """Take the forces (c,) of the QP, with the contacts that were on, for the next step.
 
         Without forces, where no QP was solved, those of the step before stay.
         """
@@ -130,6 +130,14 @@ class ContactSet:
         if layout is not None and force.shape[0]:
             for place, part in zip(layout.places, layout.parts, strict=True):
                 self._cost.remember(int(place), force[part.force])
+
+    def knows_forces(self, active: tuple[bool, ...]) -> bool:
+        """False when a contact is on whose forces the cost needs and does not know yet."""
+        return self._cost.knows(np.flatnonzero(active))
+
+    def advance(self) -> None:
+        """Let the next rows count on the forces that were remembered, at the same time still."""
+        self._cost.advance()
 
     def reset(self) -> None:
         """Forget the forces of the step before."""

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ghc_controller.contacts.contact import Contact
-from ghc_controller.contacts.kernels import force_hessian
+from ghc_controller.contacts.kernels import write_force_cost
 from ghc_controller.reference_schedule import ReferenceSchedule
-from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
 
 _WEIGHT = 1e-4  # [-] on |f|^2, beside the unit weight of task accelerations
@@ -39,19 +38,30 @@ class ForceCost:
         """Take W [N] of a robot that stands on its contacts; 0 leaves |f|^2 and force tasks."""
         self._contacts = tuple(contacts)
         self._share = _WEIGHT * weight_force
-        self._last = [
-            np.zeros(contact.points.shape[0] * contact.force_axes.shape[0])
-            for contact in self._contacts
+        self._axes = [contact.force_axes.shape[0] for contact in self._contacts]
+        self._none = [
+            np.zeros(contact.points.shape[0] * axes)
+            for contact, axes in zip(self._contacts, self._axes, strict=True)
         ]
+        self.reset()
 
     def reset(self) -> None:
         """Forget the forces of the step before."""
-        for force in self._last:
-            force[:] = 0.0
+        self._last: list[Array | None] = [None] * len(self._contacts)  # f_0; None: not known
+        self._newest = list(self._last)
+        self._time: float | None = None
 
     def remember(self, place: int, force: Array | None) -> None:
-        """Take the forces of the contact at `place` from the QP; None: it is off."""
-        self._last[place][:] = 0.0 if force is None else force
+        """Take forces of the contact at `place`, for the next step; None: it is off."""
+        self._newest[place] = None if force is None else force.copy()
+
+    def advance(self) -> None:
+        """Expand about the forces that were remembered last."""
+        self._last = list(self._newest)
+
+    def knows(self, places: NDArray[np.intp]) -> bool:
+        """Whether the cost of the contacts at `places` needs no forces, or has those of before."""
+        return self._share == 0.0 or all(self._last[place] is not None for place in places)
 
     def of(
         self, places: NDArray[np.intp], references: ReferenceSchedule, time: float
@@ -60,21 +70,31 @@ class ForceCost:
 
         Args:
             references: of the force tasks, by the name of the contact.
-            time: [s].
+            time: [s]; the same one again gives the same cost.
         """
-        c = sum(self._last[place].shape[0] for place in places)
+        if time != self._time:
+            self.advance()
+            self._time = time
+        c = sum(self._none[place].shape[0] for place in places)
         center, factor = np.zeros(c), np.zeros((c, c))
-        end = 0
+        begin = 0
         for place in places:
-            contact, last = self._contacts[place], self._last[place]
-            begin, end = end, end + last.shape[0]
+            contact, known = self._contacts[place], self._last[place]
+            last = self._none[place] if known is None else known
             weight, force = _force_task(contact, references, time)
-            hessian, pull = force_hessian(
-                _WEIGHT, self._share, _LEAST_LOAD, weight, force, contact.force_axes.shape[0], last
+            write_force_cost(
+                _WEIGHT,
+                self._share,
+                _LEAST_LOAD,
+                weight,
+                force,
+                self._axes[place],
+                last,
+                begin,
+                center,
+                factor,
             )
-            block = inverse_factor(hessian)
-            center[begin:end] = block @ (block.T @ pull)
-            factor[begin:end, begin:end] = block
+            begin += last.shape[0]
         return center, factor
 
 

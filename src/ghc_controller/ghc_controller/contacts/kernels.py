@@ -6,6 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
 
 
@@ -86,7 +87,7 @@ def force_limits(
 
 
 @numba.njit(cache=True)
-def force_hessian(
+def write_force_cost(
     base: float,
     share: float,
     least: float,
@@ -94,12 +95,18 @@ def force_hessian(
     reference: float,
     axes: int,
     last: Array,
-) -> tuple[Array, Array]:  # pragma: no cover
-    """Hessian H (c, c) and pull H f_0 (c,) of the cost on the forces of one contact.
+    begin: int,
+    center: Array,
+    factor: Array,
+) -> None:  # pragma: no cover
+    """Cost on the forces of one contact, with the letters of ForceCost.
 
-    base |f|^2 + share (|u - r F|^2 / F_0 + 2 r^T u - |r|^2 F) + task (F - reference)^2, halved,
-    with the letters of ForceCost; `axes` forces to a point, the normal one last; last (c,) [N]
-    gives r and F_0, which is at least `least`.
+    base |f|^2 + share (|u - r F|^2 / F_0 + 2 r^T u - |r|^2 F) + task (F - reference)^2, halved;
+    `axes` forces to a point, the normal one last; last (c,) [N] gives r and F_0, which is at
+    least `least`.
+
+    Writes, from entry `begin` on:
+        center: [N] forces of the least cost; factor: F with F F^T = H^-1.
     """
     c = last.shape[0]
     points = c // axes
@@ -125,7 +132,17 @@ def force_hessian(
         pull[i] += 0.5 * share * square + task * reference
         for j in range(axes - 1, c, axes):
             hessian[i, j] += scale * (square - 1.0 / points) + task
-    return hessian, pull
+    inverse = inverse_factor(hessian)
+    for i in range(c):
+        center[begin + i] = 0.0
+        for j in range(c):
+            factor[begin + i, begin + j] = inverse[i, j]
+    for k in range(c):
+        along = 0.0
+        for i in range(c):
+            along += inverse[i, k] * pull[i]
+        for i in range(c):
+            center[begin + i] += inverse[i, k] * along
 
 
 @numba.njit(cache=True)

@@ -47,6 +47,7 @@ class _Touch:
     since: float = -np.inf  # [s] when it was last switched on by a touch that came late
     early: bool = False  # it was switched on before its time, and that is still to come
     break_due: float = np.inf  # [s] first time at which the schedule had it off while it was on
+    is_new: bool = True  # nothing was felt yet: a force then is none that has just come
 
 
 class ContactSensing:
@@ -54,10 +55,12 @@ class ContactSensing:
 
     - A contact that the schedule switches on comes on when it is felt. Until then its task goes
       on, and lowers it when its reference does; afterwards its upper bound rises at `rise_rate`
-      from `threshold`, the force that its task pressed with, so that no force jumps.
+      from `threshold`, about the force that its task pressed with, so that no force jumps. One
+      that carries at the first look is on at once.
     - A touch up to `early` before its time switches it on at once. Where the planned bound still
       grants less, `threshold` is granted: the contact is kept still, and is not pressed further.
-    - A break is carried out when the force has gone, at the latest after `patience`.
+    - A break is carried out when the force has gone, at the latest after `patience`; not when the
+      plan has ended because its generator is silent.
 
     Contacts without `sensing`, or without a measured wrench, follow the schedule alone.
     """
@@ -91,6 +94,7 @@ class ContactSensing:
             felt = float(contact.axes[2] @ wrench[:3]) >= contact.sensing.threshold
             touch = self._touches[k]
             self._judge(k, touch, planned, felt, time)
+            touch.is_new = False
             active[k] = touch.on
             if touch.on and touch.break_due == np.inf:
                 upper = upper.copy()
@@ -112,8 +116,10 @@ class ContactSensing:
         if planned.active[k]:
             touch.break_due, touch.early = np.inf, False
             if not touch.on and felt:
-                touch.on, touch.since = True, time
+                touch.on, touch.since = True, -np.inf if touch.is_new else time
         elif touch.on:
+            if self._contacts[k].name in planned.stale:
+                return  # its generator is silent: nobody asks for a break
             if touch.early and self._bounds.largest_ahead(k, time, sensing.early) > 0.0:
                 return
             touch.break_due = min(touch.break_due, time)
