@@ -53,6 +53,10 @@ _STATUS = {
 }
 
 
+_FURTHER_SOLVES = 3  # at most, in a step in which a contact comes on
+_SETTLED = 1e-2  # [Nm] change of torque between two of them that ends it
+
+
 class Controller:
     """Generalized hierarchical control of one robot.
 
@@ -177,6 +181,7 @@ class Controller:
         self._alpha[:] = self.priorities.alpha
         self.stack.update(model, state, self.references)
         applied = self._applied if state.torque is None else state.torque
+        self.contacts.begin(state.time)
         limits = self._limits = self._update_limits(dynamics, state, applied)
         after_terms = perf_counter()
         solution = self._solve(limits, state.time)
@@ -278,23 +283,29 @@ class Controller:
         return self.contacts.rows(self.model, bounds, self.force_references, time)
 
     def _solve(self, limits: Limits, time: float) -> Solution:
-        """Twice where a contact has just come on: its cost expands about forces of a first answer.
+        """Again where a contact has just come on: its cost expands about forces of an answer.
 
-        Without that the forces would jump once more in the next step.
+        Without that the forces would jump once more in the next steps.
         """
         active = limits.normal_bounds.active
         solution = self.formulation.solve(self.problem())
         self.contacts.remember(active, solution.force)
-        if solution.status is SolutionStatus.FAILED or self.contacts.knows_forces(active):
+        if self.contacts.knows_forces(active):
             return solution
-        self.contacts.advance()
-        rows = self._contact_rows(limits.normal_bounds, time)
-        self._limits = replace(limits, contact_rows=rows)
-        again = self.formulation.solve(self.problem())
-        if again.status is SolutionStatus.FAILED:
-            return solution
-        self.contacts.remember(active, again.force)
-        return again
+        for _ in range(_FURTHER_SOLVES):
+            if solution.status is SolutionStatus.FAILED:
+                break
+            self.contacts.advance()
+            rows = self._contact_rows(limits.normal_bounds, time)
+            self._limits = replace(limits, contact_rows=rows)
+            again = self.formulation.solve(self.problem())
+            if again.status is SolutionStatus.FAILED:
+                break
+            self.contacts.remember(active, again.force)
+            change, solution = np.abs(again.torque - solution.torque).max(), again
+            if change < _SETTLED:
+                break
+        return solution
 
     def sigma_min_of(self, alpha: Array) -> float:
         """Smallest singular value of [P_1 .. P_k] at the present configuration."""

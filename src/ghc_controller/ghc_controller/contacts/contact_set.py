@@ -118,6 +118,10 @@ class ContactSet:
             len(layout.parts),
         )
 
+    def begin(self, time: float) -> None:
+        """Start a step at `time` [s]; the same time again starts from the same forces."""
+        self._cost.begin(time)
+
     def remember(self, active: tuple[bool, ...], force: Array) -> None:
         """Take the forces (c,) of the QP, with the contacts that were on, for the next step.
 

@@ -48,8 +48,15 @@ class ForceCost:
     def reset(self) -> None:
         """Forget the forces of the step before."""
         self._last: list[Array | None] = [None] * len(self._contacts)  # f_0; None: not known
+        self._before = list(self._last)  # forces of the last step at an earlier time
         self._newest = list(self._last)
         self._time: float | None = None
+
+    def begin(self, time: float) -> None:
+        """Expand about the forces of the step before `time` [s], however often it is asked for."""
+        if time != self._time:
+            self._before, self._time = list(self._newest), time
+        self._last = list(self._before)
 
     def remember(self, place: int, force: Array | None) -> None:
         """Take forces of the contact at `place`, for the next step; None: it is off."""
@@ -70,11 +77,8 @@ class ForceCost:
 
         Args:
             references: of the force tasks, by the name of the contact.
-            time: [s]; the same one again gives the same cost.
+            time: [s].
         """
-        if time != self._time:
-            self.advance()
-            self._time = time
         c = sum(self._none[place].shape[0] for place in places)
         center, factor = np.zeros(c), np.zeros((c, c))
         begin = 0
