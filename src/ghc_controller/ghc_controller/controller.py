@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -10,14 +10,18 @@ import numpy as np
 
 from ghc_controller.braking import braking_torque
 from ghc_controller.constraints.obstacle import ObstacleDistance
-from ghc_controller.contacts import BoundsInForce, ContactSensing, ContactSet, NormalBounds
+from ghc_controller.contacts import (
+    BoundsInForce,
+    ContactSensing,
+    ContactSet,
+    NormalBounds,
+    solve_settled,
+)
 from ghc_controller.controller_settings import ControllerSettings, make_constraints
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import (
     ContactRows,
     ControlProblem,
-    Solution,
-    SolutionStatus,
     make_formulation,
 )
 from ghc_controller.hierarchy import (
@@ -45,16 +49,6 @@ from ghc_controller.robots import find_robot
 from ghc_controller.task_stack import TaskStack
 from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_controller.warm_up import warm_up
-
-_STATUS = {
-    SolutionStatus.SOLVED: StepStatus.SOLVED,
-    SolutionStatus.RELAXED: StepStatus.RELAXED,
-    SolutionStatus.FAILED: StepStatus.FALLBACK,
-}
-
-
-_FURTHER_SOLVES = 3  # at most, in a step in which a contact comes on
-_SETTLED = 1e-2  # [Nm] change of torque between two of them that ends it
 
 
 class Controller:
@@ -184,9 +178,15 @@ class Controller:
         self.contacts.begin(state.time)
         limits = self._limits = self._update_limits(dynamics, state, applied)
         after_terms = perf_counter()
-        solution = self._solve(limits, state.time)
+        solution = solve_settled(
+            self.formulation,
+            self.problem(),
+            self.contacts,
+            limits.normal_bounds.active,
+            partial(self._contact_rows, limits.normal_bounds, state.time),
+        )
         after_solve = perf_counter()
-        status = _STATUS[solution.status]
+        status = StepStatus.after(solution.status)
         if status is StepStatus.FALLBACK:
             torque = braking_torque(
                 dynamics, state.v, model.torque_limit, contact_rows=limits.contact_rows
@@ -281,31 +281,6 @@ class Controller:
 
     def _contact_rows(self, bounds: NormalBounds, time: float) -> ContactRows | None:
         return self.contacts.rows(self.model, bounds, self.force_references, time)
-
-    def _solve(self, limits: Limits, time: float) -> Solution:
-        """Again where a contact has just come on: its cost expands about forces of an answer.
-
-        Without that the forces would jump once more in the next steps.
-        """
-        active = limits.normal_bounds.active
-        solution = self.formulation.solve(self.problem())
-        self.contacts.remember(active, solution.force)
-        if self.contacts.knows_forces(active):
-            return solution
-        for _ in range(_FURTHER_SOLVES):
-            if solution.status is SolutionStatus.FAILED:
-                break
-            self.contacts.advance()
-            rows = self._contact_rows(limits.normal_bounds, time)
-            self._limits = replace(limits, contact_rows=rows)
-            again = self.formulation.solve(self.problem())
-            if again.status is SolutionStatus.FAILED:
-                break
-            self.contacts.remember(active, again.force)
-            change, solution = np.abs(again.torque - solution.torque).max(), again
-            if change < _SETTLED:
-                break
-        return solution
 
     def sigma_min_of(self, alpha: Array) -> float:
         """Smallest singular value of [P_1 .. P_k] at the present configuration."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ghc_controller.constraints import Slack
 from ghc_controller.constraints.motion_plan import PlannedObstacle
-from ghc_controller.formulations import Solution
+from ghc_controller.formulations import Solution, SolutionStatus
 from ghc_controller.hierarchy import TransitionEvent
 from ghc_controller.types import Array, TaskTarget
 
@@ -19,6 +19,18 @@ class StepStatus(Enum):
     SOLVED = 0
     RELAXED = 1
     FALLBACK = 2
+
+    @classmethod
+    def after(cls, status: SolutionStatus) -> StepStatus:
+        """That of a step whose QP ended so."""
+        return _STEP_STATUS[status]
+
+
+_STEP_STATUS = {
+    SolutionStatus.SOLVED: StepStatus.SOLVED,
+    SolutionStatus.RELAXED: StepStatus.RELAXED,
+    SolutionStatus.FAILED: StepStatus.FALLBACK,
+}
 
 
 class StepResult(NamedTuple):

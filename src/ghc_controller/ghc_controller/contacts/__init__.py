@@ -6,6 +6,7 @@ from ghc_controller.contacts.contact import Contact, ContactForceTask, OnStale
 from ghc_controller.contacts.contact_set import ContactSet
 from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.sensing import ContactSensing, Sensing
+from ghc_controller.contacts.settling import solve_settled
 
 __all__ = [
     "BoundsInForce",
@@ -19,4 +20,5 @@ __all__ = [
     "OnStale",
     "PlanStatus",
     "Sensing",
+    "solve_settled",
 ]
