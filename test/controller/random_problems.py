@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ghc_controller.formulations import ContactRows, ControlProblem
+from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array, Bounds
 
 # Rows on (f_x, f_y, f_z) that are at most 0: friction coefficient 0.7, pushing only.
@@ -61,9 +62,10 @@ def random_problem(
         jacobian,
         target,
         starts,
-        alpha,
+        Priorities.of(alpha),
         mass,
         bias,
+        np.zeros(n),
         Bounds(-wide, wide),
         torque,
         torque,

@@ -19,7 +19,7 @@ from ghc_controller.formulations import (
     TorqueRegularization,
     make_formulation,
 )
-from ghc_controller.hierarchy import matrix_from_hierarchy
+from ghc_controller.hierarchy import Priorities, matrix_from_hierarchy
 from ghc_controller.qp import QpProblem, QpStatus, SolverSettings, make_solver
 from ghc_controller.types import Array, Bounds
 
@@ -147,7 +147,9 @@ def test_torque_is_continuous_in_alpha(name: str) -> None:
     formulation = _make(name, 1e-2)
 
     def torque(s: float) -> Array:
-        return formulation.solve(replace(problem, alpha=start + s * (goal - start))).torque
+        return formulation.solve(
+            replace(problem, priorities=Priorities.of(start + s * (goal - start)))
+        ).torque
 
     for center in (1e-3, 0.25, 0.5, 0.75, 1.0 - 1e-3):
         steps = [np.abs(torque(center + h) - torque(center)).max() for h in (1e-4, 1e-5, 1e-6)]
@@ -167,7 +169,7 @@ def test_removed_task_leaves_no_trace() -> None:
         jacobian=problem.jacobian[keep],
         target=problem.target[keep],
         starts=np.array([0, 3, 10]),
-        alpha=strict_alpha(2),
+        priorities=Priorities.of(strict_alpha(2)),
     )
     for name in FORMULATIONS:
         a, b = _make(name).solve(problem), _make(name).solve(without)

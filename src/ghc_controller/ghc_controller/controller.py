@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -18,8 +19,9 @@ from ghc_controller.contacts import (
     solve_settled,
 )
 from ghc_controller.controller_settings import ControllerSettings, make_constraints
-from ghc_controller.errors import UnknownName
+from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import (
+    FORMULATIONS,
     ContactRows,
     ControlProblem,
     make_formulation,
@@ -90,7 +92,7 @@ class Controller:
         self.priorities = TransitionSchedule(
             matrix_from_hierarchy(robot.task_names, hierarchy), self.sigma_min_of
         )
-        self._alpha = np.array(self.priorities.alpha)  # writable: one compiled signature
+        self._priorities = self.priorities.in_force  # of the last step
         self._applied: Array | None = None
         self._last: StepResult | None = None
         self._limits: Limits | None = None
@@ -144,8 +146,15 @@ class Controller:
         """Schedule a change of priorities; False when it is a repeat that changes nothing.
 
         Raises:
-            InvalidValue: eq. 13b would lose its solution on the way.
+            InvalidValue: eq. 13b would lose its solution on the way, or the formulation in use
+            cannot keep the transition's torque rate.
         """
+        if transition.torque_rate > 0.0 and not self.formulation.blends:
+            raise InvalidValue(
+                f"torque_rate = {transition.torque_rate} Nm/s given with formulation "
+                f"'{self.formulation.name}'; only one that blends orders keeps it: "
+                + ", ".join(name for name, kind in FORMULATIONS.items() if kind.blends)
+            )
         if self.priorities.is_repeat(transition):
             return False
         self.priorities.check_solvable(transition)
@@ -172,7 +181,7 @@ class Controller:
         self._begin_references()
         events = tuple(self._events) + tuple(self.priorities.advance(state.time))
         self._events.clear()
-        self._alpha[:] = self.priorities.alpha
+        self._priorities = self.priorities.pace(state.time, self.settings.control_dt)
         self.stack.update(model, state, self.references)
         applied = self._applied if state.torque is None else state.torque
         self.contacts.begin(state.time)
@@ -180,7 +189,7 @@ class Controller:
         after_terms = perf_counter()
         solution = solve_settled(
             self.formulation,
-            self.problem(),
+            self._problem_views(),
             self.contacts,
             limits.normal_bounds.active,
             partial(self._contact_rows, limits.normal_bounds, state.time),
@@ -193,6 +202,7 @@ class Controller:
             )
         else:
             torque = solution.torque
+            events += tuple(self.priorities.settle(solution.progress, state.time))
             boxes = limits.boxes
             if status is StepStatus.SOLVED and (boxes.acceleration.slack or boxes.torque.slack):
                 status = StepStatus.RELAXED
@@ -230,7 +240,7 @@ class Controller:
             result,
             limits,
             task_reports(self.stack, self.references, result.time),
-            self._alpha,
+            self.priorities.alpha,
             self.priorities.sigma_min,
             contacts,
             loads,
@@ -239,7 +249,10 @@ class Controller:
         )
 
     def problem(self) -> ControlProblem:
-        """The control problem of the last step."""
+        """The control problem of the last step: copies, which the next step leaves alone."""
+        return deepcopy(self._problem_views())
+
+    def _problem_views(self) -> ControlProblem:
         limits, model = self._limits, self.model
         assert limits is not None
         boxes = limits.boxes
@@ -247,9 +260,10 @@ class Controller:
             self.stack.jacobian,
             self.stack.target,
             self.stack.starts,
-            self._alpha,
+            self._priorities,
             model.dynamics.mass_matrix,
             model.dynamics.bias,
+            model.v,
             boxes.acceleration.bounds,
             boxes.torque.bounds,
             boxes.torque.hard,

@@ -5,6 +5,7 @@ A new one is a new file with a Formulation, and one line in FORMULATIONS.
 
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations.balanced import BalancedGhc
+from ghc_controller.formulations.cascade import Cascade
 from ghc_controller.formulations.formulation import (
     Formulation,
     FormulationSettings,
@@ -20,7 +21,7 @@ from ghc_controller.formulations.weighted import Weighted
 from ghc_controller.qp import QpSolver, make_solver
 
 FORMULATIONS: dict[str, type[Formulation]] = {
-    kind.name: kind for kind in (CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted)
+    kind.name: kind for kind in (Cascade, CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted)
 }
 
 

@@ -18,8 +18,12 @@ from ghc_controller.formulations.box_kernels import (
     rows_inside,
     torques_inside,
 )
-from ghc_controller.formulations.formulation import FormulationSettings, Solution, SolutionStatus
-from ghc_controller.formulations.problem import ContactRows
+from ghc_controller.formulations.formulation import (
+    NO_FORCE,
+    FormulationSettings,
+    Solution,
+    SolutionStatus,
+)
 from ghc_controller.formulations.qp_rows import Parametrization, SoftQp, build_qp, soften
 from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.qp import QpResult, QpSolver, Residuals
@@ -37,26 +41,30 @@ def unbounded_answer(reduced: ReducedProblem, y: Array) -> Solution | None:
     source = reduced.source
     if source.unactuated > 0:
         return None
-    if source.contacts is not None:
-        return _unbounded_contact_answer(reduced, source.contacts, y)
-    rows = source.rows
-    if rows is not None and not rows_inside(rows.matrix, y, rows.lower, rows.upper):
-        return None
-    box, torque = source.acceleration, source.torque
-    inside, tau = torques_inside(
-        y, source.mass_matrix, source.bias, box.lower, box.upper, torque.lower, torque.upper
+    return bounded_answer(
+        reduced, y, NO_FORCE if source.contacts is None else source.contacts.force_center
     )
-    return Solution.unbounded(y, tau) if inside else None
 
 
-def _unbounded_contact_answer(
-    reduced: ReducedProblem, contacts: ContactRows, y: Array
-) -> Solution | None:
-    source, force = reduced.source, contacts.force_center
-    if not rows_inside(contacts.force_matrix, force, contacts.force_lower, contacts.force_upper):
+def bounded_answer(reduced: ReducedProblem, y: Array, force: Array) -> Solution | None:
+    """Solution of accelerations y (d,) and forces (c,) if they meet every bound; else None.
+
+    The balance of an unactuated base is not looked at.
+    """
+    source, rows, contacts = reduced.source, reduced.source.rows, reduced.source.contacts
+    box, torque = source.acceleration, source.torque
+    if reduced.basis is None:
+        if rows is not None and not rows_inside(rows.matrix, y, rows.lower, rows.upper):
+            return None
+        inside, tau = torques_inside(
+            y, source.mass_matrix, source.bias, box.lower, box.upper, torque.lower, torque.upper
+        )
+        return Solution.unbounded(y, tau) if inside else None
+    if contacts is not None and not rows_inside(
+        contacts.force_matrix, force, contacts.force_lower, contacts.force_upper
+    ):
         return None
     x, tau = reduced.answer(y, force)
-    rows, box, torque = source.rows, source.acceleration, source.torque
     inside = is_inside(x, box.lower, box.upper) and is_inside(tau, torque.lower, torque.upper)
     if rows is not None:
         inside = inside and rows_inside(rows.matrix, x, rows.lower, rows.upper)
@@ -131,7 +139,7 @@ def _accept(
     s = result.x[: parametrization.acceleration_factor.shape[1]]
     force, rows_slack, force_slack = np.zeros(0), None, None
     contacts = source.contacts
-    if contacts is None:
+    if reduced.basis is None:
         x, tau = box_answer(
             s,
             parametrization.acceleration,
@@ -143,6 +151,7 @@ def _accept(
         y = parametrization.acceleration + parametrization.acceleration_factor @ s
         force = parametrization.force + parametrization.force_factor @ s
         x, tau = reduced.answer(y, force)
+    if contacts is not None:
         push = contacts.force_matrix @ force
         force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
     if source.rows is not None:

@@ -35,6 +35,8 @@ class FormulationSettings:
     regularization: float = 1e-2  # [-] w: weight on nu'_i (ghc) or damping |x|^2 per level
     torque_regularization: TorqueRegularization = TorqueRegularization.NONE
     torque_weight: float = 1e-2  # [-] on |tau - reference|^2, ghc and ghc_full only
+    velocity_damping: float = 20.0  # [1/s] kd: regularization pulls accelerations to -kd v
+    null_damping: float = 3e-5  # [-] e of the null spaces of cascade
     metric_ratio: float = 1e3  # [-] kappa: what yields between two levels under active bounds
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
@@ -74,6 +76,7 @@ class Solution(NamedTuple):
     rows_slack: Array | None = None  # (r,) by how far the general rows gave way
     force_slack: Array | None = None  # (r,) by how far the rows on contact forces gave way [N]
     rate_gave_way: bool = False
+    progress: float = 0.0  # [-] of a ramp with a torque-rate budget
 
     @classmethod
     def unbounded(cls, acceleration: Array, torque: Array, force: Array = NO_FORCE) -> Solution:
@@ -85,6 +88,7 @@ class Formulation(ABC):
     """Turns a control problem into accelerations, contact forces and torques."""
 
     name: str
+    blends: bool = False  # answers each candidate of a mixture: can keep a torque-rate budget
 
     def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
         self.settings = settings

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ghc_controller.formulations.bounded_qp import solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution, SolutionStatus
+from ghc_controller.formulations.level_answers import (
+    keep_feasible,
+    reduced_acceleration,
+    rows_of,
+)
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.reduction import ReducedProblem, reduce_contacts
-from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.formulations.reduction import reduce_contacts
+from ghc_controller.hierarchy.levels import levels
 from ghc_controller.small_factors import inverse_factor
-from ghc_controller.types import Array, Bounds
-
-_KEEP_FEASIBLE = 1e-7  # [rad/s^2], [Nm] widening that keeps the answer of the level above
+from ghc_controller.types import Array
 
 
 class Hqp(Formulation):
@@ -40,7 +41,8 @@ class Hqp(Formulation):
         for level in levels(problem.alpha):
             if null.shape[1] == 0:
                 break
-            rows, target = _stack(reduced, problem.starts, level)
+            index = rows_of(problem.starts, level)
+            rows, target = reduced.jacobian[index], reduced.target[index]
             local = rows @ null
             hessian = local.T @ local + settings.regularization * np.eye(null.shape[1])
             factor = inverse_factor(hessian)
@@ -61,51 +63,15 @@ class Hqp(Formulation):
                 rows_slack=first_slack.rows_slack,
                 force_slack=first_slack.force_slack,
             )
-            y = _reduced(reduced, found.acceleration)
-            reduced = _keep_feasible(reduced, found)
+            y = reduced_acceleration(reduced, found.acceleration)
+            reduced = keep_feasible(reduced, found)
             null = null @ _null_space(local, settings.rank_tolerance)
         if answer is None:
             raise ValueError("hqp needs at least one active task")
         return answer._replace(status=worst)
 
 
-def levels(alpha: Array) -> list[list[int]]:
-    """Active tasks by level, highest first: those dominated by equally many others share one."""
-    active = [i for i in range(alpha.shape[0]) if alpha[i, i] <= 0.5]
-    above = {i: sum(alpha[i, j] > 0.5 for j in active if j != i) for i in active}
-    return [[i for i in active if above[i] == count] for count in sorted(set(above.values()))]
-
-
-def _stack(reduced: ReducedProblem, starts: Starts, level: list[int]) -> tuple[Array, Array]:
-    rows = np.concatenate([np.arange(starts[i], starts[i + 1]) for i in level])
-    return reduced.jacobian[rows], reduced.target[rows]
-
-
-def _reduced(reduced: ReducedProblem, x: Array) -> Array:
-    if reduced.basis is None or reduced.offset is None:
-        return x
-    return reduced.basis.T @ (x - reduced.offset)
-
-
 def _null_space(rows: Array, rank_tolerance: float) -> Array:
     _, sigma, right = np.linalg.svd(rows, full_matrices=True)
     rank = int(np.sum(sigma > rank_tolerance * max(float(sigma[0]), 1e-300)))
     return right[rank:].T
-
-
-def _keep_feasible(reduced: ReducedProblem, found: Solution) -> ReducedProblem:
-    """The same problem with bounds that contain the answer of the level above."""
-    source = reduced.source
-    widened = replace(
-        source,
-        acceleration=_containing(source.acceleration, found.acceleration),
-        torque=_containing(source.torque, found.torque),
-    )
-    return reduced._replace(source=widened)
-
-
-def _containing(bounds: Bounds, value: Array) -> Bounds:
-    return Bounds(
-        np.minimum(bounds.lower, value - _KEEP_FEASIBLE),
-        np.maximum(bounds.upper, value + _KEEP_FEASIBLE),
-    )

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.types import Array, Bounds
 
 
@@ -50,9 +51,10 @@ class ControlProblem:
     jacobian: Array  # (m, n) augmented Jacobian, eq. 10
     target: Array  # (m,) desired task accelerations minus drift
     starts: Starts  # (k + 1,) first row of each task
-    alpha: Array  # (k, k) priority matrix
+    priorities: Priorities  # of k tasks
     mass_matrix: Array  # (n, n)
     bias: Array  # (n,) Coriolis, centrifugal and gravity
+    velocity: Array  # (n,) v: damping pulls accelerations to -kd v
     acceleration: Bounds  # (n,) soft box on x: position and velocity limits
     torque: Bounds  # (a,) hard box on tau: torque limits and torque rate
     torque_limit: Bounds  # (a,) the torque limits alone, kept when the rate rows give way too
@@ -60,10 +62,10 @@ class ControlProblem:
     contacts: ContactRows | None = None
     unactuated: int = 0
 
-    def __post_init__(self) -> None:
-        """Take a writable copy of a read-only alpha: kernels are compiled for one kind."""
-        if not self.alpha.flags.writeable:
-            object.__setattr__(self, "alpha", self.alpha.copy())
+    @property
+    def alpha(self) -> Array:
+        """(k, k) priority matrix."""
+        return self.priorities.alpha
 
     def check(self) -> None:
         """Raise WrongSize or InvalidValue where the parts do not fit together."""
@@ -75,6 +77,7 @@ class ControlProblem:
             "alpha": (self.alpha.shape, (k, k)),
             "mass_matrix": (self.mass_matrix.shape, (n, n)),
             "bias": (self.bias.shape, (n,)),
+            "velocity": (self.velocity.shape, (n,)),
             "acceleration bounds": (self.acceleration.lower.shape, (n,)),
             "torque bounds": (self.torque.lower.shape, (joints,)),
             "torque limits": (self.torque_limit.lower.shape, (joints,)),

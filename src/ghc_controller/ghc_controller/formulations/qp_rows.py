@@ -23,6 +23,7 @@ class Parametrization(NamedTuple):
     acceleration_factor: Array  # (d, p)
     force: Array  # (c,)
     force_factor: Array  # (c, p)
+    balanced: bool = False  # True: every s meets the equations of motion of the base
 
     @classmethod
     def whitened(
@@ -66,7 +67,7 @@ def build_qp(
         torque: (a,) the torque box in force at this stage.
     """
     source, factor = reduced.source, parametrization.acceleration_factor
-    if source.contacts is None and source.rows is None:
+    if reduced.basis is None and source.rows is None:
         hard_start = bounds_end = factor.shape[0]
         rows, lower, upper, norm = box_rows(
             parametrization.acceleration,
@@ -104,7 +105,7 @@ def _all_rows(
     return stacked_rows(
         np.zeros((0, n)) if identity else reduced.basis,
         _NONE if identity else reduced.offset,
-        *parametrization,
+        *parametrization[:4],
         source.acceleration.lower,
         source.acceleration.upper,
         *general[:3],
@@ -120,7 +121,7 @@ def _all_rows(
 def _balance(reduced: ReducedProblem, parametrization: Parametrization) -> tuple[Array, Array]:
     """Equations of motion of the unactuated coordinates on s: (u, p) and (u,)."""
     factor = parametrization.acceleration_factor
-    if reduced.source.unactuated == 0:
+    if reduced.source.unactuated == 0 or parametrization.balanced:
         return np.zeros((0, factor.shape[1])), np.zeros(0)
     matrix = reduced.balance_matrix @ factor + reduced.balance_force @ parametrization.force_factor
     target = (

@@ -1,6 +1,7 @@
 """Priorities between tasks: matrix, hierarchy strings, transitions and generalized projectors."""
 
 from ghc_controller.hierarchy.hierarchy_string import format_hierarchy, matrix_from_hierarchy
+from ghc_controller.hierarchy.priorities import Candidate, Priorities
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
 from ghc_controller.hierarchy.projector import (
     ProjectorSettings,
@@ -15,6 +16,8 @@ from ghc_controller.hierarchy.transition_schedule import (
 )
 
 __all__ = [
+    "Candidate",
+    "Priorities",
     "PriorityMatrix",
     "Profile",
     "ProjectorSettings",

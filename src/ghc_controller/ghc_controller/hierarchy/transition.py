@@ -8,7 +8,6 @@ from enum import Enum
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
-from ghc_controller.types import Array
 
 
 class Profile(Enum):
@@ -42,10 +41,12 @@ class Profile(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """A requested ramp to `target`; it starts from the matrix in force at `start`.
+    """A requested ramp to `target`; it starts from the mixture in force at `start`.
+
+    With a `torque_rate` it takes as long as that budget asks, and at least `duration`.
 
     Raises:
-        InvalidValue: a duration that is negative or not finite.
+        InvalidValue: a duration or torque rate that is negative or not finite.
     """
 
     target: PriorityMatrix
@@ -54,23 +55,26 @@ class Transition:
     profile: Profile = Profile.COSINE
     id: str = ""
     hierarchy: str = ""  # the target as the user wrote it; empty when given as a matrix
+    torque_rate: float = 0.0  # [Nm/s] that the ramp may add to any joint; 0 = no budget
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.duration) or self.duration < 0.0:
             raise InvalidValue(
                 f"duration = {self.duration} s given, a number of at least 0 expected"
             )
+        if not math.isfinite(self.torque_rate) or self.torque_rate < 0.0:
+            raise InvalidValue(
+                f"torque_rate = {self.torque_rate} Nm/s given, a number of at least 0 expected"
+            )
         if not math.isfinite(self.start):
             raise InvalidValue(f"start = {self.start} s given, a finite time expected")
 
     @property
     def end(self) -> float:
-        """Time at which the target is reached [s]."""
+        """Earliest time at which the target is reached [s]."""
         return self.start + self.duration
 
-    def alpha(self, initial: Array, time: float) -> Array:
-        """(k, k) matrix at `time` for a ramp that left `initial` at `start` (eq. 15)."""
+    def progress(self, time: float) -> float:
+        """Share of the way [-] that the duration allows at `time` (eq. 15)."""
         span = time - self.start
-        s = 1.0 if span >= self.duration else span / self.duration
-        share = self.profile.progress(s)
-        return initial + share * (self.target.alpha - initial)
+        return 1.0 if span >= self.duration else self.profile.progress(span / self.duration)

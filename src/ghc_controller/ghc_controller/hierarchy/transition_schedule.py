@@ -9,7 +9,9 @@ from enum import Enum
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
+from ghc_controller.hierarchy.ramp import PacedPriorities, Ramp
 from ghc_controller.hierarchy.transition import Transition
 from ghc_controller.types import Array
 
@@ -41,6 +43,11 @@ class TransitionSchedule:
     `tolerance` eq. 13b of the GHC paper has no solution and the transition is refused.
     """
 
+    tasks: tuple[str, ...]
+    target: PriorityMatrix  # of the last transition that started
+    in_force: Priorities  # at the time of the last `advance`
+    sigma_min: float
+
     def __init__(
         self,
         initial: PriorityMatrix,
@@ -55,12 +62,18 @@ class TransitionSchedule:
     def reset(self) -> None:
         """Back to the initial matrix, with no transition left."""
         self.tasks = self._initial.tasks
-        self.alpha: Array = self._initial.alpha
         self.target = self._initial
+        self.in_force = Priorities.of(self._initial.alpha)
         self.sigma_min = float("nan")
-        self._ramp_from: Array = self._initial.alpha
+        self._ramp = Ramp(self.in_force.candidates, self._initial.alpha)
+        self._progress = 1.0
         self._running: Transition | None = None
         self._pending: list[Transition] = []
+
+    @property
+    def alpha(self) -> Array:
+        """(k, k) matrix in force."""
+        return self.in_force.alpha
 
     @property
     def in_transition(self) -> bool:
@@ -127,7 +140,7 @@ class TransitionSchedule:
         return [TransitionEvent(transition, TransitionPhase.ACCEPTED, now)]
 
     def advance(self, now: float) -> list[TransitionEvent]:
-        """Bring `alpha` to time `now`; returns what happened on the way, in order."""
+        """Bring `in_force` to time `now`; returns what happened on the way, in order."""
         events: list[TransitionEvent] = []
         while self._pending and self._pending[0].start <= now:
             transition = self._pending.pop(0)
@@ -136,20 +149,47 @@ class TransitionSchedule:
                 events.append(
                     TransitionEvent(self._running, TransitionPhase.PREEMPTED, transition.start)
                 )
-            self._ramp_from = self.alpha
+            self._ramp = Ramp(self._ramp.at(self._progress), transition.target.alpha)
+            self._progress = 0.0
             self._running = transition
             self.target = transition.target
             events.append(TransitionEvent(transition, TransitionPhase.ACTIVE, transition.start))
         self._move_to(now, events)
         return events
 
+    def pace(self, now: float, period: float) -> Priorities:
+        """Priorities of the step at `now`: `in_force`, or a ramp to be paced by its budget.
+
+        Args:
+            period: [s] between two steps, to turn the budget into a change of torque.
+        """
+        running = self._running
+        if running is None or running.torque_rate == 0.0:
+            return self.in_force
+        step = running.torque_rate * period
+        return PacedPriorities.on(self._ramp, self._progress, running.progress(now), step)
+
+    def settle(self, progress: float, now: float) -> list[TransitionEvent]:
+        """Take over how far a ramp with a budget went in the step at `now`."""
+        running = self._running
+        if running is None or running.torque_rate == 0.0:
+            return []
+        self._progress = max(self._progress, progress)
+        self.in_force = Priorities.mixed(self._ramp.at(self._progress))
+        if self._progress < 1.0:
+            return []
+        self._running = None
+        return [TransitionEvent(running, TransitionPhase.DONE, now)]
+
     def _move_to(self, time: float, events: list[TransitionEvent]) -> None:
         running = self._running
         if running is None:
             return
+        if running.torque_rate > 0.0:  # `settle` moves it, by the answers of each step
+            self.in_force = Priorities.mixed(self._ramp.at(self._progress))
+            return
+        self._progress = running.progress(time)
+        self.in_force = Priorities.mixed(self._ramp.at(self._progress))
         if time >= running.end:
-            self.alpha = running.target.alpha
             self._running = None
             events.append(TransitionEvent(running, TransitionPhase.DONE, running.end))
-        else:
-            self.alpha = running.alpha(self._ramp_from, time)

@@ -1,0 +1,56 @@
+"""What the levels of a cascade hand down: their rows, and bounds that contain the answer above."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ghc_controller.formulations.formulation import Solution
+from ghc_controller.formulations.reduction import ReducedProblem
+from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.types import Array, Bounds
+
+_KEEP_FEASIBLE = 1e-7  # [rad/s^2], [Nm], [N] widening that keeps the answer of the level above
+
+
+def rows_of(starts: Starts, tasks: Sequence[int]) -> Starts:
+    """Indices of the rows of these tasks, (m,)."""
+    return np.concatenate([np.arange(starts[i], starts[i + 1]) for i in tasks])
+
+
+def reduced_acceleration(reduced: ReducedProblem, x: Array) -> Array:
+    """(d,) y of accelerations x (n,) that keep the contacts."""
+    if reduced.basis is None or reduced.offset is None:
+        return x
+    return reduced.basis.T @ (x - reduced.offset)
+
+
+def keep_feasible(reduced: ReducedProblem, found: Solution) -> ReducedProblem:
+    """The same problem with bounds that contain the answer of the level above."""
+    source = reduced.source
+    rows, contacts = source.rows, source.contacts
+    if rows is not None:
+        value = rows.matrix @ found.acceleration
+        lower, upper = _containing(rows.lower, rows.upper, value)
+        rows = rows._replace(lower=lower, upper=upper)
+    if contacts is not None:
+        value = contacts.force_matrix @ found.force
+        lower, upper = _containing(contacts.force_lower, contacts.force_upper, value)
+        contacts = contacts._replace(force_lower=lower, force_upper=upper)
+    acceleration, torque = source.acceleration, source.torque
+    widened = replace(
+        source,
+        acceleration=Bounds(
+            *_containing(acceleration.lower, acceleration.upper, found.acceleration)
+        ),
+        torque=Bounds(*_containing(torque.lower, torque.upper, found.torque)),
+        rows=rows,
+        contacts=contacts,
+    )
+    return reduced._replace(source=widened)
+
+
+def _containing(lower: Array, upper: Array, value: Array) -> tuple[Array, Array]:
+    return np.minimum(lower, value - _KEEP_FEASIBLE), np.maximum(upper, value + _KEEP_FEASIBLE)
