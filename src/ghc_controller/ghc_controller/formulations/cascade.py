@@ -104,8 +104,7 @@ class _Descent:
         return best
 
     def _level(self, rows: Array, target: Array, is_last: bool) -> Solution:
-        damping = level_damping(rows, self.w)
-        best, local = level_optimum(rows, target, self.y, self.basis, self.used, damping)
+        best, local, damping = level_optimum(rows, target, self.y, self.basis, self.used, self.w)
         force, balanced = self.forces.at(self.reduced, best)
         if balanced:
             answer = bounded_answer(self.reduced, best, force)

@@ -17,27 +17,31 @@ _SHORTEST = 1e-4  # [-] mean square length of rows below which the damping falls
 
 
 @njit(cache=True)
-def level_damping(jacobian: Array, w: float) -> float:  # pragma: no cover
-    """Damping of a level: w times the mean square length of its rows (m, d), at most w.
+def level_damping(jacobian: Array, rows: Array, w: float) -> float:  # pragma: no cover
+    """Damping of a level with rows J and what the levels above leave of them, A = J P; (m, d).
 
-    A task whose rows are short, such as a center of mass, then keeps its gains.
+    w (1 - kept (1 - s)) with s = min(1, |J|^2 / m) and kept = |A|^2 / |J|^2: a task of short rows,
+    such as a center of mass, keeps its gains as far as it keeps its directions, and directions
+    that are lost to levels above are damped by w.
     """
     m = jacobian.shape[0]
-    if m == 0:
+    whole = np.sum(jacobian * jacobian)
+    if not whole > _SHORTEST * m:
         return w
-    return w * min(1.0, max(np.sum(jacobian * jacobian) / m, _SHORTEST))
+    return w * (1.0 - min(1.0, np.sum(rows * rows) / whole) * (1.0 - min(1.0, whole / m)))
 
 
 @njit(cache=True)
 def level_optimum(
     jacobian: Array, target: Array, y: Array, basis: Array, used: int, w: float
-) -> tuple[Array, Array]:  # pragma: no cover
-    """c = y + P A^T (A A^T + w I)^-1 (b - J y), (d,), and A (m, d)."""
+) -> tuple[Array, Array, float]:  # pragma: no cover
+    """c = y + P A^T (A A^T + w_l I)^-1 (b - J y), (d,), A (m, d) and the damping w_l."""
     rows = project_rows(jacobian, basis, used)
+    damping = level_damping(jacobian, rows, w)
     residual = target - affine(jacobian, y, np.zeros(jacobian.shape[0]))
     step = np.zeros(y.shape[0])
-    add_combination(solve_factored(damped_factor(rows, w), residual), rows, step)
-    return y + project_rows(step.reshape(1, -1), basis, used)[0], rows
+    add_combination(solve_factored(damped_factor(rows, damping), residual), rows, step)
+    return y + project_rows(step.reshape(1, -1), basis, used)[0], rows, damping
 
 
 @njit(cache=True)
@@ -74,8 +78,7 @@ def free_levels(
     for level in range(first, ends.shape[0]):
         begin = ends[level - 1] if level else 0
         rows = jacobian[begin : ends[level]]
-        damping = level_damping(rows, w)
-        better = level_optimum(rows, target[begin : ends[level]], y, basis, used, damping)[0]
+        better = level_optimum(rows, target[begin : ends[level]], y, basis, used, w)[0]
         torque = affine(matrix, better, offset)
         if not (
             is_inside(better, lower, upper)
