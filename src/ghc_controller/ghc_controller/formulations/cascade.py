@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ghc_controller.formulations.balanced import BalancedGhc
 from ghc_controller.formulations.blend import blend
-from ghc_controller.formulations.bounded_qp import bounded_answer, solve_qp
-from ghc_controller.formulations.cascade_kernels import level_damping, level_optimum
+from ghc_controller.formulations.bounded_qp import solve_qp
+from ghc_controller.formulations.cascade_kernels import (
+    Balance,
+    Motion,
+    Rows,
+    free_levels,
+    level_optimum,
+)
 from ghc_controller.formulations.force_center import ForceCenter, balanced_contacts
-from ghc_controller.formulations.formulation import Formulation, Solution, SolutionStatus
+from ghc_controller.formulations.formulation import (
+    Formulation,
+    FormulationSettings,
+    Solution,
+    SolutionStatus,
+)
 from ghc_controller.formulations.level_answers import (
     keep_feasible,
     reduced_acceleration,
@@ -24,10 +35,14 @@ from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order, levels
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.soft_null_space import append_rows, null_projector
+from ghc_controller.qp import QpSolver
 from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
 
 _NO_ROWS = np.zeros(0, dtype=np.int64)
+_EMPTY = np.zeros((0, 0))
+_NONE = np.zeros(0)
+_ORDERS_KEPT = 64
 _UPPER_FORCE_WEIGHT = 1e-4  # [-] root of the weight on forces above the last level
 
 
@@ -43,6 +58,10 @@ class Cascade(Formulation):
     name = "cascade"
     blends = True
 
+    def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
+        super().__init__(settings, solver)
+        self._orders: dict[tuple[bytes, bytes], Order | None] = {}
+
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         contact_free, forces = balanced_contacts(reduce_contacts(problem))
@@ -53,11 +72,33 @@ class Cascade(Formulation):
         return blend(answers, problem.priorities)
 
     def _answer(self, reduced: ReducedProblem, forces: ForceCenter, alpha: Array) -> Solution:
-        if is_order(alpha):
-            order = [rows_of(reduced.source.starts, level) for level in levels(alpha)]
-            return _Descent(self, reduced, forces, order).answer()
+        order = self._order(alpha, reduced.source.starts)
+        if order is not None:
+            return _Descent(self.settings, self.solver, reduced, forces, order).answer()
         alone = replace(reduced.source, priorities=Priorities.of(alpha))
         return BalancedGhc(self.settings, self.solver).solve(alone)
+
+    def _order(self, alpha: Array, starts: Starts) -> Order | None:
+        """Order that the matrix says, None where it is none; remembered, since few are in use."""
+        key = (alpha.tobytes(), starts.tobytes())
+        if key not in self._orders:
+            if len(self._orders) >= _ORDERS_KEPT:
+                self._orders.clear()
+            self._orders[key] = Order.of(alpha, starts) if is_order(alpha) else None
+        return self._orders[key]
+
+
+class Order(NamedTuple):
+    """Rows of the tasks in the order of their levels."""
+
+    rows: Starts  # (m,) indices into the augmented Jacobian
+    ends: Starts  # (l,) end of each level among them
+
+    @classmethod
+    def of(cls, alpha: Array, starts: Starts) -> Order:
+        """Order of a matrix (k, k); without an active task one level that has no row."""
+        parts = [rows_of(starts, level) for level in levels(alpha)] or [_NO_ROWS]
+        return cls(np.concatenate(parts), np.cumsum([len(part) for part in parts]))
 
 
 class _Descent:
@@ -65,62 +106,106 @@ class _Descent:
 
     def __init__(
         self,
-        cascade: Cascade,
+        settings: FormulationSettings,
+        solver: QpSolver,
         reduced: ReducedProblem,
         forces: ForceCenter,
-        order: Sequence[Starts],
+        order: Order,
     ) -> None:
-        order = order or [_NO_ROWS]
-        settings = cascade.settings
-        self.settings, self.solver = settings, cascade.solver
+        self.settings, self.solver = settings, solver
         self.w, self.e = settings.regularization, settings.null_damping
         self.reduced, self.forces = reduced, forces
-        rows = np.concatenate(order)
-        self.jacobian = np.ascontiguousarray(reduced.jacobian[rows])
-        self.target = reduced.target[rows]
-        self.ends = np.cumsum([len(level) for level in order]).astype(np.int64)
-        d = reduced.jacobian.shape[1]
-        self.basis, self.used = np.empty((len(rows) + 1, d)), 0
+        self.jacobian, self.target = reduced.jacobian[order.rows], reduced.target[order.rows]
+        self.ends = order.ends
+        self.basis, self.used = np.empty((len(order.rows) + 1, reduced.jacobian.shape[1])), 0
         brake = -settings.velocity_damping * reduced.source.velocity
-        self.y = brake.copy() if reduced.basis is None else reduced.basis.T @ brake
+        self.y = brake if reduced.basis is None else reduced.basis.T @ brake
 
     def answer(self) -> Solution:
         """Answer of the last level; of the last one that has one, where a later level fails."""
         best: Solution | None = None
-        level = 0
-        while level < len(self.ends):
-            part = slice(self.ends[level - 1] if level else 0, self.ends[level])
-            rows = self.jacobian[part]
-            found = self._level(rows, self.target[part], level + 1 == len(self.ends))
+        level, count = 0, len(self.ends)
+        while level < count:
+            free, self.used, self.y, x, tau, force = free_levels(
+                self.jacobian,
+                self.target,
+                self.ends,
+                level,
+                self.y,
+                self.basis,
+                self.used,
+                self.w,
+                self.e,
+                *_kernel_terms(self.reduced, self.forces),
+            )
+            if free > level:
+                best = _after(best, Solution.unbounded(x, tau, force))
+            if free == count:
+                break
+            found = self._bounded_level(free)
             if found.status is SolutionStatus.FAILED:
                 return found if best is None else best
-            best = found if best is None else _after(best, found)
+            best = _after(best, found)
             self.y = reduced_acceleration(self.reduced, found.acceleration)
-            if found.qp_solved:
-                self.reduced = keep_feasible(self.reduced, found)
-            self.used = append_rows(rows, self.e, self.basis, self.used)
-            level += 1
+            self.reduced = keep_feasible(self.reduced, found)
+            level = free + 1
         assert best is not None
         return best
 
-    def _level(self, rows: Array, target: Array, is_last: bool) -> Solution:
-        best, local, damping = level_optimum(rows, target, self.y, self.basis, self.used, self.w)
-        force, balanced = self.forces.at(self.reduced, best)
-        if balanced:
-            answer = bounded_answer(self.reduced, best, force)
-            if answer is not None:
-                return answer
-        d = best.shape[0]
-        factor = null_projector(self.basis, self.used) @ inverse_factor(
-            local.T @ local + damping * np.eye(d)
+    def _bounded_level(self, level: int) -> Solution:
+        """Answer of a level whose optimum is beyond a bound."""
+        part = slice(self.ends[level - 1] if level else 0, self.ends[level])
+        rows = self.jacobian[part]
+        best, local, damping = level_optimum(
+            rows, self.target[part], self.y, self.basis, self.used, self.w
         )
-        weight = 1.0 if is_last else _UPPER_FORCE_WEIGHT
+        factor = null_projector(self.basis, self.used) @ inverse_factor(
+            local.T @ local + damping * np.eye(best.shape[0])
+        )
+        weight = 1.0 if level + 1 == len(self.ends) else _UPPER_FORCE_WEIGHT
         parametrization = self.forces.parametrization(self.reduced, best, factor, weight)
+        self.used = append_rows(rows, self.e, self.basis, self.used)
         return solve_qp(self.reduced, parametrization, self.solver, self.settings)
 
 
-def _after(above: Solution, found: Solution) -> Solution:
+def _kernel_terms(reduced: ReducedProblem, forces: ForceCenter) -> tuple[Motion, Balance, Rows]:
+    """What `free_levels` takes of the problem."""
+    source, contacts, general = reduced.source, reduced.source.contacts, reduced.source.rows
+    acceleration, torque = source.acceleration, source.torque
+    lower, upper = [acceleration.lower, torque.lower], [acceleration.upper, torque.upper]
+    if general is not None:
+        lower.append(general.lower)
+        upper.append(general.upper)
+    if contacts is not None:
+        lower.append(contacts.force_lower)
+        upper.append(contacts.force_upper)
+    motion = (
+        _EMPTY if reduced.basis is None else reduced.basis,
+        _NONE if reduced.offset is None else reduced.offset,
+        reduced.torque_matrix,
+        reduced.torque_offset,
+        reduced.torque_force,
+    )
+    balance = (
+        forces.center,
+        forces.gain,
+        forces.residual,
+        reduced.balance_matrix,
+        reduced.balance_force,
+    )
+    rows = (
+        _EMPTY if general is None else general.matrix,
+        _EMPTY if contacts is None else contacts.force_matrix,
+        np.concatenate(lower),
+        np.concatenate(upper),
+    )
+    return motion, balance, rows
+
+
+def _after(above: Solution | None, found: Solution) -> Solution:
     """The answer of a level below `above`: what gave way is what the first level gave."""
+    if above is None:
+        return found
     return found._replace(
         status=max(above.status, found.status, key=lambda status: status.value),
         qp_solved=above.qp_solved or found.qp_solved,

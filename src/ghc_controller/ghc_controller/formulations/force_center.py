@@ -12,7 +12,6 @@ from ghc_controller.formulations.reduction_kernels import null_motion_qr
 from ghc_controller.types import Array
 
 _RANK_TOLERANCE = 1e-9  # [-] of the largest singular value of the balance force
-_BALANCED = 1e-6  # [N], [Nm] left of the equations of motion of the base
 
 
 class ForceCenter(NamedTuple):
@@ -26,14 +25,12 @@ class ForceCenter(NamedTuple):
     free: Array  # (c, c - rank) F N, A N = 0: forces that leave the base alone
     residual: Array  # (u,) what is left to balance at y = 0 and f_0
 
-    def at(self, reduced: ReducedProblem, y: Array) -> tuple[Array, bool]:
-        """Forces (c,) at accelerations (d,), and whether they balance the base."""
+    def at(self, reduced: ReducedProblem, y: Array) -> Array:
+        """Forces (c,) at accelerations (d,)."""
         if self.residual.shape[0] == 0:
-            return self.center, True
-        left = self.residual - reduced.balance_matrix @ y
-        force = self.center + self.gain @ left
-        open_ = left - reduced.balance_force @ (force - self.center)
-        return force, bool(np.abs(open_).max(initial=0.0) <= _BALANCED)
+            return self.center
+        force: Array = self.center + self.gain @ (self.residual - reduced.balance_matrix @ y)
+        return force
 
     def parametrization(
         self, reduced: ReducedProblem, y: Array, factor: Array, weight: float
@@ -50,7 +47,7 @@ class ForceCenter(NamedTuple):
         forces[:, p:] = self.free / weight
         if self.residual.shape[0]:
             forces[:, :p] = -self.gain @ (reduced.balance_matrix @ factor)
-        return Parametrization(y, accelerations, self.at(reduced, y)[0], forces, True)
+        return Parametrization(y, accelerations, self.at(reduced, y), forces, True)
 
 
 def balanced_contacts(reduced: ReducedProblem) -> tuple[ReducedProblem, ForceCenter]:
