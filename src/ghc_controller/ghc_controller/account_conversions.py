@@ -12,10 +12,8 @@ from ghc_msgs.msg import (
     TaskState,
 )
 
-from ghc_controller.hierarchy import (
-    TransitionSchedule,
-    format_hierarchy,
-)
+from ghc_controller.hierarchy import PriorityMatrix as TargetMatrix
+from ghc_controller.hierarchy import TransitionSchedule, format_hierarchy
 from ghc_controller.report import Report
 from ghc_controller.ros_conversions import (
     doubles,
@@ -30,6 +28,10 @@ def matrix_message(priorities: TransitionSchedule, time: float) -> PriorityMatri
     message.alpha = np.asarray(priorities.alpha).ravel().tolist()
     message.hierarchy = format_hierarchy(priorities.target)
     message.in_transition = priorities.in_transition
+    for candidate in priorities.in_force.candidates:
+        target = TargetMatrix(priorities.tasks, candidate.alpha)
+        message.mixture.append(format_hierarchy(target))
+        message.shares.append(candidate.share)
     return message
 
 

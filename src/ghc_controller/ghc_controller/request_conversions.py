@@ -14,9 +14,7 @@ from ghc_msgs.msg import (
 from ghc_controller.cdr import NANOSECONDS
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy import (
-    PriorityMatrix as Priorities,
-)
-from ghc_controller.hierarchy import (
+    PriorityMatrix,
     Profile,
     Transition,
     TransitionEvent,
@@ -54,11 +52,19 @@ def transition_from_message(
                 "neither hierarchy nor tasks given; expected a hierarchy such as "
                 f"'{' > '.join(known_tasks)}' or tasks with a row-major alpha"
             )
-        target = Priorities.from_rows(known_tasks, message.tasks, message.alpha)
+        target = PriorityMatrix.from_rows(known_tasks, message.tasks, message.alpha)
     stamp = nanoseconds_from_time(message.header.stamp)
     start = now if stamp == 0 else stamp / NANOSECONDS
     profile = Profile.parse(message.profile)
-    return Transition(target, start, message.duration, profile, message.id, message.hierarchy)
+    return Transition(
+        target,
+        start,
+        message.duration,
+        profile,
+        message.id,
+        message.hierarchy,
+        message.torque_rate,
+    )
 
 
 def status_message(
@@ -72,6 +78,7 @@ def status_message(
         message.hierarchy = transition.hierarchy or format_hierarchy(transition.target)
         message.start = time_from_seconds(transition.start)
         message.duration = transition.duration
+        message.torque_rate = transition.torque_rate
     return message
 
 

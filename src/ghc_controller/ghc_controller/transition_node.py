@@ -36,6 +36,7 @@ from ghc_controller.run_node import EXIT_FAILED, EXIT_REFUSED
 
 NODE_NAME = "transition"
 _INTERRUPTED = 130
+_DURATION = 2.0  # [s] of a ramp for which nothing is said
 _WORDS = {
     getattr(TransitionStatus, word): word
     for word in ("ACCEPTED", "REJECTED", "ACTIVE", "DONE", "PREEMPTED")
@@ -99,6 +100,8 @@ def status_line(message: TransitionStatus) -> str:
     elif message.status == TransitionStatus.ACCEPTED:
         start = nanoseconds_from_time(message.start) / NANOSECONDS
         detail += f", from t = {start:.3f} s over {message.duration:g} s"
+        if message.torque_rate:
+            detail += f" or longer, at most {message.torque_rate:g} Nm/s"
     return line(message.header.stamp, _WORDS.get(message.status, "?"), detail)
 
 
@@ -109,7 +112,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     request = PriorityTransition(
         id=f"{NODE_NAME}_{os.getpid()}",
         hierarchy=options.hierarchy,
-        duration=options.duration,
+        duration=_duration(options),
+        torque_rate=options.torque_rate,
         profile=options.profile,
     )
     request.header.stamp = time_from_seconds(options.start)
@@ -152,7 +156,17 @@ def _parser() -> argparse.ArgumentParser:
         "hierarchy", help="such as 'a > b = c': > strict, = equal; a task left out is removed"
     )
     parser.add_argument(
-        "--duration", type=float, default=2.0, metavar="SECONDS", help="of the ramp (default: 2)"
+        "--duration",
+        type=float,
+        metavar="SECONDS",
+        help="of the ramp (default: 2; 0 with --torque-rate)",
+    )
+    parser.add_argument(
+        "--torque-rate",
+        type=float,
+        default=0.0,
+        metavar="NM_PER_S",
+        help="that the ramp may add to any joint: it takes as long as this asks (default: any)",
     )
     parser.add_argument(
         "--start",
@@ -170,6 +184,13 @@ def _parser() -> argparse.ArgumentParser:
         help="wall time until the end of the ramp (default: 60)",
     )
     return parser
+
+
+def _duration(options: argparse.Namespace) -> float:
+    """[s] given, or the default: a budget alone decides where there is one."""
+    if options.duration is not None:
+        return float(options.duration)
+    return 0.0 if options.torque_rate else _DURATION
 
 
 def _stamp(text: str) -> float:
