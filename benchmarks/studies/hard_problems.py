@@ -49,9 +49,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
         "damping": DAMPING,
         "feasible_with_interior": feasible,
         "iteration_cap": ITERATION_CAP,
-        "formulations": [
-            {"name": name, **record.figures()} for name, record in records.items()
-        ],
+        "formulations": [{"name": name, **record.figures()} for name, record in records.items()],
     }
 
 
@@ -66,9 +64,7 @@ class _Record:
         self.slowest = 0.0  # [s]
         self.worst: list[tuple[float, str, str]] = []  # violation, row, problem
 
-    def add(
-        self, formulation: Formulation, plain: Plain, label: str, feasible: bool
-    ) -> None:
+    def add(self, formulation: Formulation, plain: Plain, label: str, feasible: bool) -> None:
         """Solve one problem."""
         from reference.plain import violations
 

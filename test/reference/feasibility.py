@@ -20,7 +20,11 @@ def margin(problem: Plain, cap: float = 1.0) -> float:
     motion = np.hstack([np.eye(n), np.zeros((n, c))])
     blocks = [
         (motion, problem.lower, problem.upper),
-        (full[u:], problem.torque_lower - problem.bias[u:], problem.torque_upper - problem.bias[u:]),
+        (
+            full[u:],
+            problem.torque_lower - problem.bias[u:],
+            problem.torque_upper - problem.bias[u:],
+        ),
     ]
     equal, right = [full[:u]], [-problem.bias[:u]]
     if problem.rows is not None:

@@ -123,9 +123,7 @@ def _level(
 def _beside(cost: Array, wanted: Array, weight: Array, center: Array) -> tuple[Array, Array]:
     """Least-squares rows of (u, f): cost u - wanted and weight (f - center)."""
     c = len(center)
-    matrix = np.block(
-        [[cost, np.zeros((len(wanted), c))], [np.zeros((c, cost.shape[1])), weight]]
-    )
+    matrix = np.block([[cost, np.zeros((len(wanted), c))], [np.zeros((c, cost.shape[1])), weight]])
     return matrix, np.append(wanted, weight @ center)
 
 

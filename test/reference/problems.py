@@ -69,9 +69,7 @@ def _problem(rng: np.random.Generator, joints: int, in_contact: bool) -> Plain:
     return _with_boxes(rng, problem, inside, force)
 
 
-def _levels(
-    rng: np.random.Generator, null: Array, contacts: Contacts | None
-) -> tuple[Level, ...]:
+def _levels(rng: np.random.Generator, null: Array, contacts: Contacts | None) -> tuple[Level, ...]:
     """3 to 6 levels; the last one is a posture (all free directions) in 6 of 10 problems."""
     n, d = null.shape
     k = int(rng.integers(3, 7))
@@ -106,9 +104,7 @@ def _spread(rng: np.random.Generator, m: int, d: int) -> Array:
     return left @ (np.exp(rng.uniform(low, high, size=m))[:, None] * right.T)
 
 
-def _with_boxes(
-    rng: np.random.Generator, problem: Plain, inside: Array, force: Array
-) -> Plain:
+def _with_boxes(rng: np.random.Generator, problem: Plain, inside: Array, force: Array) -> Plain:
     """Boxes around the known point that are too tight for the first two levels, mostly."""
     two = problem._replace(levels=problem.levels[:2])
     free = hard_cascade(two, DAMPING)
@@ -128,9 +124,7 @@ def _with_boxes(
     return problem
 
 
-def point_contacts(
-    rng: np.random.Generator, n: int, count: int
-) -> tuple[Contacts, Array]:
+def point_contacts(rng: np.random.Generator, n: int, count: int) -> tuple[Contacts, Array]:
     """Contacts under a body, normals up, and forces (c,) strictly inside their pyramids.
 
     The drift is left at zero. Lever arms: spread around the body in the plane, so that the normal
