@@ -24,7 +24,7 @@ def control_problem(plain: Plain) -> ControlProblem:
     """The same problem with velocity 0 and one task per level, in strict order."""
     sizes = [len(level.target) for level in plain.levels]
     torque = Bounds(plain.torque_lower, plain.torque_upper)
-    contacts = plain.contacts
+    general, contacts = plain.rows, plain.contacts
     return ControlProblem(
         np.ascontiguousarray(np.vstack([level.jacobian for level in plain.levels])),
         np.concatenate([level.target for level in plain.levels]),
@@ -36,15 +36,19 @@ def control_problem(plain: Plain) -> ControlProblem:
         torque,
         torque,
         rows=None
-        if plain.rows is None
-        else AccelerationRows(*plain.rows, _names("row", len(plain.rows.lower))),
+        if general is None
+        else AccelerationRows(
+            general.matrix, general.lower, general.upper, _names("row", len(general.lower))
+        ),
         contacts=None
         if contacts is None
         else ContactRows(
             contacts.jacobian,
             contacts.drift,
             contacts.force_jacobian,
-            *contacts.forces,
+            contacts.forces.matrix,
+            contacts.forces.lower,
+            contacts.forces.upper,
             contacts.center,
             contacts.factor,
             _names("force", len(contacts.forces.lower)),

@@ -1,7 +1,8 @@
 """Seeded problems that are badly scaled, rank-deficient, duplicated, near singular or infeasible.
 
-Every problem draws one to three defects of its tasks and one kind of bounds; its name lists them.
-One in five has general rows as well; every fourth stands on four point contacts. Nothing is promised about conditioning.
+Every problem draws one to three defects of its tasks and one kind of bounds, listed in its name.
+One in five has general rows as well; every fourth stands on four point contacts. Nothing is
+promised about conditioning.
 """
 
 from __future__ import annotations

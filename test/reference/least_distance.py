@@ -1,9 +1,9 @@
-"""Least-squares QPs by NNLS: the solver of the reference cascade, NumPy and SciPy only.
+"""Least-squares QPs by a dual active-set method: the solver of the reference cascade.
 
 min 1/2 |A z - c|^2 subject to E z = e and G z >= h becomes a least-distance problem
-min 1/2 |s|^2, rows s >= right (Lawson and Hanson, Solving Least Squares Problems, chapter 23),
-which SciPy's NNLS solves. The active set that it finds is then refined by plain linear algebra,
-because NNLS alone is accurate to about 1e-8 only.
+min 1/2 |s|^2, rows s >= right (Lawson and Hanson, Solving Least Squares Problems, chapter 23).
+That one is solved by the method of Goldfarb and Idnani (Mathematical Programming 27, 1983), with
+every step computed anew by an SVD instead of by updated factors: slow and accurate.
 """
 
 from __future__ import annotations
@@ -13,15 +13,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
-from scipy.optimize import nnls
 
 Array = NDArray[np.float64]
 
 _RANK = 1e-10  # [-] of the largest singular value of the equations
-_INFEASIBLE = 1e-9  # [-] last entry of the NNLS residual, 1/2 for a well-chosen scale
-_SCALES = 10  # trials of a scale
-_TOLERANCE = 1e-12  # [-] of the refined active set, times the size of the answer
-_ROUNDS = 200  # changes of the active set
+_TOLERANCE = 1e-13  # [-] violation of a row, times the size of the answer
+_DEPENDENT = 1e-9  # [-] part of a row outside the span of the active ones, below: none
+_MISSED = 1e-7  # [-] violation, times the size of the answer, from which no point meets the rows
+_PIVOTS = 1000
 
 
 class Infeasible(ValueError):
@@ -70,6 +69,8 @@ def least_squares(A: Array, c: Array, E: Array, e: Array, G: Array, h: Array) ->
     multipliers[kept] = some
     length = max(1.0, float(np.linalg.norm(s)))
     away = rows @ s - right
+    if np.any(away < -_MISSED * length):
+        raise Infeasible
     return Optimum(
         start + basis @ solve_triangular(triangle, s + middle),
         multipliers,
@@ -92,60 +93,55 @@ def _solutions(E: Array, e: Array, p: int) -> tuple[Array, Array]:
 
 
 def _least_distance(rows: Array, right: Array) -> tuple[Array, Array]:
-    """Shortest s (d,) with rows s >= right, and multipliers (r,)."""
-    d, r = rows.shape[1], rows.shape[0]
-    scale = float(np.max(right, initial=0.0))
-    if scale <= 0.0:
-        return np.zeros(d), np.zeros(r)
-    s, positive = None, np.zeros(r, dtype=bool)
-    for _ in range(_SCALES):
-        found = _at_scale(rows, right, scale)
-        if found is None:
-            scale *= 30.0
-            continue
-        s, positive = found
-        length = float(np.linalg.norm(s))
-        if 0.1 * scale <= length <= 10.0 * scale:  # where NNLS is most accurate
-            break
-        scale = length
-    if s is None:
-        raise Infeasible
-    return _refined(rows, right, positive, s)
-
-
-def _at_scale(rows: Array, right: Array, scale: float) -> tuple[Array, Array] | None:
-    """s (d,) and its active rows, for right sides in units of `scale`; None if it seems too far.
-
-    The last entry of the NNLS residual is -1 / (1 + |s / scale|^2), 0 without a feasible point.
-    """
-    d, r = rows.shape[1], rows.shape[0]
-    wanted = np.append(np.zeros(d), 1.0)
-    weights, _ = nnls(np.vstack([rows.T, right / scale]), wanted, maxiter=100 * (d + r))
-    rest = np.append(rows.T @ weights, right @ weights / scale) - wanted
-    if -rest[-1] < _INFEASIBLE:
-        return None
-    return -scale * rest[:d] / rest[-1], weights > 0.0
-
-
-def _refined(rows: Array, right: Array, active: Array, s: Array) -> tuple[Array, Array]:
-    """The same optimum from its active rows, changed while they miss the KKT conditions."""
-    tolerance = _TOLERANCE * max(1.0, float(np.linalg.norm(s)))
-    for _ in range(_ROUNDS):
-        index = np.flatnonzero(active)
-        if len(index) == 0:
-            active[int(np.argmax(right))] = True
-            continue
-        s = np.linalg.lstsq(rows[index], right[index], rcond=1e-11)[0]
-        weights, miss = nnls(rows[index].T, s, maxiter=100 * (len(index) + len(s)))
-        if miss > tolerance:  # some row holds s back from the wrong side
-            signed = np.linalg.lstsq(rows[index].T, s, rcond=1e-11)[0]
-            active[index[int(np.argmin(signed))]] = False
-            continue
+    """Shortest s (d,) with rows s >= right, and multipliers (r,). Rows have length 1."""
+    s, multipliers = np.zeros(rows.shape[1]), np.zeros(len(right))
+    active: list[int] = []
+    done: list[int] = []  # rows that depend on active ones and are missed by rounding only
+    for _ in range(_PIVOTS):
         missing = right - rows @ s
-        missing[active] = 0.0
+        missing[active + done] = 0.0
+        tolerance = _TOLERANCE * max(1.0, float(np.linalg.norm(s)))
         if missing.max(initial=0.0) <= tolerance:
-            break
-        active[int(np.argmax(missing))] = True
-    multipliers = np.zeros(len(right))
-    multipliers[index] = weights
-    return s, multipliers
+            return s, multipliers
+        new = int(np.argmax(missing))
+        if not _add(rows, right, new, active, multipliers):
+            if missing[new] > _MISSED * max(1.0, float(np.linalg.norm(s))):
+                raise Infeasible
+            done.append(new)
+        # From the active rows alone, so that rounding of the steps does not add up.
+        s = _solve(rows[active], right[active])
+        multipliers[:] = 0.0
+        multipliers[active] = np.maximum(_solve(rows[active].T, s), 0.0)
+    return s, multipliers  # the KKT residuals tell
+
+
+def _add(rows: Array, right: Array, new: int, active: list[int], multipliers: Array) -> bool:
+    """Make one violated row active; rows whose multiplier would turn negative leave.
+
+    False where no step exists: the row contradicts the active ones. Changes `active` and
+    `multipliers`, for which s = rows^T multipliers before and after.
+    """
+    while True:
+        share = _solve(rows[active].T, rows[new])
+        away = rows[new] - share @ rows[active]
+        length = float(away @ away)
+        missing = right[new] - rows[new] @ (rows.T @ multipliers)
+        step = missing / length if length > _DEPENDENT**2 else np.inf
+        ratios = [
+            multipliers[j] / r if r > 0.0 else np.inf for j, r in zip(active, share, strict=True)
+        ]
+        least = min(ratios, default=np.inf)
+        if not np.isfinite(min(step, least)):
+            multipliers[new] = 0.0
+            return False
+        multipliers[active] -= min(step, least) * share
+        multipliers[new] += min(step, least)
+        if step <= least:
+            active.append(new)
+            return True
+        leaving = active.pop(ratios.index(least))
+        multipliers[leaving] = 0.0
+
+
+def _solve(matrix: Array, right: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-13)[0], dtype=np.float64)

@@ -3,6 +3,7 @@
 Stated conditioning (checked by a test):
 - Every J_l and the stack of all independent task rows, in the null space of the contacts, have
   singular values within [0.3, 3]; rows that depend on levels above lie exactly in their span.
+- Targets: |b_l| / sqrt(rows) within [0.3, 3.2].
 - Motion rows of contacts: singular values within [0.2, 5].
 - Mass matrix: condition at most 100.
 - Joints: 7, 17, 32 in turn; every second group of three stands on 3 or 4 point contacts
@@ -25,6 +26,7 @@ CONTACT_SINGULAR_VALUES = (0.2, 5.0)
 MASS_CONDITION = 100.0
 DAMPING = 1e-2  # [-] w for which the boxes are chosen
 _FRICTION = 0.7
+_TARGET = (-0.5, 0.5)  # [-] powers of ten of |b_l| per root of its rows
 _MARGIN = 0.05  # [-] of the scale: room of the known point to the boxes
 
 
@@ -91,8 +93,9 @@ def _levels(rng: np.random.Generator, null: Array, contacts: Contacts | None) ->
         elif contacts is not None:  # tasks that moving contacts would serve as well
             mix = rng.normal(size=(len(rows), len(contacts.drift))) / np.sqrt(n)
             jacobian = jacobian + 0.5 * mix @ contacts.jacobian
-        target = rng.normal(size=len(jacobian)) * 10 ** rng.uniform(-0.5, 0.5)
-        levels.append(Level(jacobian, target))
+        target = rng.normal(size=len(jacobian))
+        target *= np.sqrt(len(target)) / np.linalg.norm(target)
+        levels.append(Level(jacobian, target * 10 ** rng.uniform(*_TARGET)))
     return tuple(levels)
 
 
