@@ -195,10 +195,10 @@ def test_hqp_meets_the_reference_at_levels_1_and_2() -> None:
             for level, miss in zip(problem.levels[:2], answer.residuals, strict=False)
         ]
         length = [np.linalg.norm(level.target) for level in problem.levels[:2]]
-        # `hqp` widens its bounds by 1e-7 after each level, which lower levels may use.
-        below, above = (1e-6, 1e-8) if problem.contacts is None else (1e-5, 1e-5)
+        above = 1e-8 if problem.contacts is None else 1e-5
         assert np.all(excess <= above * np.array(length))
-        assert min(excess) > -below
+        # `hqp` widens its bounds by 1e-7 after a level; the next one gains that times multipliers.
+        assert min(excess) > -1e-5
 
 
 def test_hard_problems_are_repeatable_and_of_every_kind() -> None:
