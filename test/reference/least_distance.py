@@ -2,8 +2,9 @@
 
 min 1/2 |A z - c|^2 subject to E z = e and G z >= h becomes a least-distance problem
 min 1/2 |s|^2, rows s >= right (Lawson and Hanson, Solving Least Squares Problems, chapter 23).
-That one is solved by the method of Goldfarb and Idnani (Mathematical Programming 27, 1983), with
-every step computed anew by an SVD instead of by updated factors: slow and accurate.
+Where the active set that SciPy's NNLS finds misses the KKT conditions, that one is solved by the
+method of Goldfarb and Idnani (Mathematical Programming 27, 1983), with every step computed anew
+by an SVD instead of by updated factors: slow and accurate.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
+from scipy.optimize import nnls
 
 Array = NDArray[np.float64]
 
@@ -94,6 +96,9 @@ def _solutions(E: Array, e: Array, p: int) -> tuple[Array, Array]:
 
 def _least_distance(rows: Array, right: Array) -> tuple[Array, Array]:
     """Shortest s (d,) with rows s >= right, and multipliers (r,). Rows have length 1."""
+    guess = _by_nnls(rows, right)
+    if guess is not None:
+        return guess
     s, multipliers = np.zeros(rows.shape[1]), np.zeros(len(right))
     active: list[int] = []
     done: list[int] = []  # rows that depend on active ones and are missed by rounding only
@@ -113,6 +118,27 @@ def _least_distance(rows: Array, right: Array) -> tuple[Array, Array]:
         multipliers[:] = 0.0
         multipliers[active] = np.maximum(_solve(rows[active].T, s), 0.0)
     return s, multipliers  # the KKT residuals tell
+
+
+def _by_nnls(rows: Array, right: Array) -> tuple[Array, Array] | None:
+    """The same by the active set that SciPy's NNLS finds, if it meets the KKT conditions.
+
+    It does in most problems and saves the pivots (Lawson and Hanson, chapter 23.4).
+    """
+    scale = float(np.max(right, initial=0.0))
+    if scale <= 0.0:
+        return np.zeros(rows.shape[1]), np.zeros(len(right))
+    wanted = np.append(np.zeros(rows.shape[1]), 1.0)
+    try:
+        weights, _ = nnls(np.vstack([rows.T, right / scale]), wanted)
+    except RuntimeError:  # too many iterations
+        return None
+    active = np.flatnonzero(weights > 0.0)
+    s, multipliers = _solve(rows[active], right[active]), np.zeros(len(right))
+    multipliers[active] = _solve(rows[active].T, s)
+    tolerance = _TOLERANCE * max(1.0, float(np.linalg.norm(s)))
+    small = max(np.max(right - rows @ s), np.max(np.abs(s - rows.T @ multipliers))) <= tolerance
+    return (s, multipliers) if small and multipliers.min() >= 0.0 else None
 
 
 def _add(rows: Array, right: Array, new: int, active: list[int], multipliers: Array) -> bool:
