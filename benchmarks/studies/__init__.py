@@ -1,0 +1,1 @@
+"""Studies: each module has NAME, TITLE, run(quick, formulations) -> dict and table(result)."""
