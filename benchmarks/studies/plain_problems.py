@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ghc_controller.formulations import AccelerationRows, ContactRows, ControlProblem
+from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array, Bounds
 
 _TESTS = str(Path(__file__).resolve().parents[2] / "test")
@@ -29,9 +30,10 @@ def control_problem(plain: Plain) -> ControlProblem:
         np.ascontiguousarray(np.vstack([level.jacobian for level in plain.levels])),
         np.concatenate([level.target for level in plain.levels]),
         np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
-        np.tril(np.ones((len(sizes), len(sizes))), -1),
+        Priorities.of(np.tril(np.ones((len(sizes), len(sizes))), -1)),
         plain.mass,
         plain.bias,
+        np.zeros(len(plain.bias)),
         Bounds(plain.lower, plain.upper),
         torque,
         torque,

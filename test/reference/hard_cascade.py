@@ -13,6 +13,7 @@ It shares no module with src/.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -38,13 +39,33 @@ class Reference(NamedTuple):
     kkt: float  # largest KKT residual of all QPs, in the whitened scale
 
 
+Damping = Callable[[Array, Array], float]
+
+
+def kept_damping(w: float) -> Damping:
+    """Damping w (1 - kept (1 - s)) of rows J (m, d) and what the levels above leave, A (m, d).
+
+    s = min(1, |J|^2 / m), kept = |A|^2 / |J|^2: the rule of docs/architecture.md, written anew.
+    """
+
+    def damping(rows: Array, left: Array) -> float:
+        whole = float(np.linalg.norm(rows)) ** 2
+        if whole <= 1e-4 * len(rows):
+            return w
+        kept = min(1.0, float(np.linalg.norm(left)) ** 2 / whole)
+        return w * (1.0 - kept * (1.0 - min(1.0, whole / len(rows))))
+
+    return damping
+
+
 def hard_cascade(
-    problem: Plain, w: float, kd: float = 0.0, velocity: Array | None = None
+    problem: Plain, w: float | Damping, kd: float = 0.0, velocity: Array | None = None
 ) -> Reference:
     """Solve all levels.
 
     Args:
-        w: damping per level [-]. kd: [1/s]. velocity: (n,) [rad/s], zero where not given.
+        w: damping per level [-], or a rule for it. kd: [1/s].
+        velocity: (n,) [rad/s], zero where not given.
 
     Raises:
         Infeasible: no point meets the bounds, the contacts and the balance.
@@ -57,6 +78,7 @@ def hard_cascade(
         x, null = _motion(contacts)
         x = x + null @ (null.T @ start)
     force = np.zeros(0) if contacts is None else contacts.center
+    movable = null
     answers, active, kkt = [], [], 0.0
     for index, (jacobian, target) in enumerate(problem.levels):
         last = index == len(problem.levels) - 1
@@ -65,7 +87,8 @@ def hard_cascade(
             active.append(False)
             continue
         local = jacobian @ null
-        cost = np.vstack([local, np.sqrt(w) * np.eye(null.shape[1])])
+        damping = w(jacobian @ movable, local) if callable(w) else w
+        cost = np.vstack([local, np.sqrt(damping) * np.eye(null.shape[1])])
         wanted = np.append(target - jacobian @ x, np.zeros(null.shape[1]))
         found, force = _level(problem, x, null, cost, wanted, force, index == 0, last)
         x = x + null @ found.z[: null.shape[1]]
