@@ -43,7 +43,9 @@ def rows_of(problem: ControlProblem) -> Rows:
         still = np.hstack([contacts.jacobian, np.zeros((len(contacts.jacobian), c))])
         equality.append(still)
         value.append(contacts.drift_target)
-        matrix.append(np.hstack([np.zeros((len(contacts.force_matrix), n)), contacts.force_matrix]))
+        matrix.append(
+            np.hstack([np.zeros((len(contacts.force_matrix), n)), contacts.force_matrix])
+        )
         lower.append(contacts.force_lower)
         upper.append(contacts.force_upper)
     return Rows(
@@ -88,12 +90,13 @@ def is_feasible(problem: ControlProblem) -> bool:
     at_upper, at_lower = np.isfinite(rows.upper), np.isfinite(rows.lower)
     inequality = np.vstack([rows.matrix[at_upper], -rows.matrix[at_lower]])
     bound = np.concatenate([rows.upper[at_upper], -rows.lower[at_lower]])
+    equality = np.hstack([rows.equality, np.zeros((len(rows.value), 1))])
     found = linprog(
         np.append(np.zeros(size), 1.0),
         A_ub=np.hstack([inequality, -np.ones((len(bound), 1))]),
         b_ub=bound,
-        A_eq=np.hstack([rows.equality, np.zeros((len(rows.value), 1))]) if len(rows.value) else None,
-        b_eq=rows.value if len(rows.value) else None,
+        A_eq=equality if len(equality) else None,
+        b_eq=rows.value if len(equality) else None,
         bounds=[(None, None)] * size + [(0.0, None)],
         method="highs",
     )

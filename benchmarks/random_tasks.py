@@ -54,9 +54,7 @@ def strict_matrix(order: Sequence[int], count: int) -> Array:
     alpha = np.zeros((count, count))
     for i in range(count):
         for j in range(count):
-            if i not in place:
-                alpha[i, j] = 1.0
-            elif j in place and place[j] < place[i]:
+            if i not in place or (j in place and place[j] < place[i]):
                 alpha[i, j] = 1.0
     return alpha
 

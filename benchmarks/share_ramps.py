@@ -18,7 +18,14 @@ _DT = 1e-3  # [s]
 _GIVEN_UP = 3  # unsolved steps after which a ramp is not followed further
 _LEAST_CHANGE = 1e-3  # [Nm] a ramp that changes less has no shape to speak of
 
-KINDS = ("strict to strict", "swap of the first two", "insertion", "removal", "cycle", "pre-empted")
+KINDS = (
+    "strict to strict",
+    "swap of the first two",
+    "insertion",
+    "removal",
+    "cycle",
+    "pre-empted",
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.studies import Study
+from ghc_controller.types import Array
 
 _DIGITS = 4  # significant
 _INTRODUCTION = """# Studies
@@ -56,7 +57,7 @@ def rounded(value: Any) -> Any:
     return value
 
 
-def spread(values: Sequence[float]) -> dict[str, float]:
+def spread(values: Sequence[float] | Array) -> dict[str, float]:
     """Median, 95th percentile and maximum; not a number without values."""
     if not len(values):
         return dict.fromkeys(("median", "p95", "max"), math.nan)

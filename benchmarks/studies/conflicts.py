@@ -37,7 +37,7 @@ _ARMS: dict[str, tuple[str | Path, str | Path]] = {  # robot, scene
 def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     """Static targets from a start at the posture reference."""
     arms = ["kuka_lwr"] if quick else list(_ARMS)
-    count, window = (1, (0.5, 1.0)) if quick else (_PAIRS, _WINDOW)
+    count, window = (1, (0.1, 0.3)) if quick else (_PAIRS, _WINDOW)
     if not quick:
         install_study_model(_PACKAGE)
     found: dict[str, dict[str, Any]] = {name: {} for name in formulations}

@@ -88,7 +88,9 @@ def table(result: dict[str, Any]) -> str:
                 share = row["largest_percent"]
                 figures = [shown(share[key]) for key in ("median", "p95", "max")]
                 judged = f"{row['judged']} of {row['ramps']}"
-                lines.append([name, robot, kind, *figures, judged, str(row["with_unsolved_steps"])])
+                lines.append(
+                    [name, robot, kind, *figures, judged, str(row["with_unsolved_steps"])]
+                )
     where = ", ".join(f"{count} ({robot})" for robot, count in facts["states"].items())
     head = ["formulation", "robot", "ramp", "median [%]", "p95 [%]", "max [%]", "judged"]
     return (
