@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench soak paper campaign lint format lock clean distclean
+.PHONY: help setup demo run test bench study soak paper campaign lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
@@ -49,6 +49,9 @@ campaign: setup ## seeded disturbances of the humanoid's scenarios: how many run
 
 bench: setup ## time per control step and per plan, round trips per second
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/run.py $(ARGS)
+
+study: setup ## problem sets that test the formulations: ARGS="names --quick --formulation ghc"
+	@$(WORKSPACE) && exec .venv/bin/python benchmarks/study.py $(ARGS)
 
 soak: setup ## memory of the generator nodes over ten simulated minutes
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak.py $(ARGS)

@@ -41,6 +41,10 @@ class BenchRobot(ABC):
         """Motion tasks and posture."""
         return len(self.frames) + 1
 
+    def product(self) -> RobotConfig:
+        """The robot as the stack knows it: its limits are those of the benchmark."""
+        return load_robot_config(find_robot(self.name))
+
     @abstractmethod
     def model(self) -> RobotModel:
         """A model of its own for every caller."""
@@ -59,13 +63,14 @@ class BenchRobot(ABC):
         start = self.start(model)
         tasks.append(PostureTask("posture", model, _STIFFNESS, _DAMPING, reference=start))
         hierarchy = " > ".join(task.name for task in tasks)
+        product = self.product()
         return RobotConfig(
             path=Path(self.name),
             name=self.name,
             urdf=Path(self.name),
             floating_base=False,
-            torque_rate=1000.0,
-            brake_acceleration=5.0,
+            torque_rate=product.torque_rate,
+            brake_acceleration=product.brake_acceleration,
             model=model,
             tasks=tuple(tasks),
             hierarchy=hierarchy,
@@ -86,11 +91,11 @@ class Arm(BenchRobot):
 
     def model(self) -> RobotModel:
         """See BenchRobot."""
-        return load_robot_config(find_robot(self.name)).model
+        return self.product().model
 
     def start(self, model: RobotModel) -> Array:
         """The folded-forward posture of robot.yaml."""
-        posture = load_robot_config(find_robot(self.name)).tasks[-1]
+        posture = self.product().tasks[-1]
         return posture.default_target(model).position
 
 
@@ -119,7 +124,9 @@ class Humanoid(BenchRobot):
 
     def model(self) -> RobotModel:
         """See BenchRobot."""
-        return RobotModel(pin.buildModelFromXML(self._urdf))
+        model = RobotModel(pin.buildModelFromXML(self._urdf))
+        model.limits = self.product().model.limits  # the same joints, on a base that floats
+        return model
 
     def start(self, model: RobotModel) -> Array:
         """The middle of every joint's range: far from limits and from straight limbs."""

@@ -7,13 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.constraints import (
-    ConstraintSet,
-    JointPositionLimit,
-    JointVelocityLimit,
-    TorqueCenter,
-    TorqueLimit,
-)
+from ghc_controller.constraints import ConstraintSet, TorqueCenter, TorqueLimit
 from ghc_controller.controller import Controller
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.robot_config import RobotConfig
@@ -90,14 +84,11 @@ def torque_bound(controller: Controller, segments: Sequence[Segment]) -> Array:
     return TORQUE_SHARE * largest
 
 
-def constraints(robot: RobotConfig, bound: Array | None = None) -> ConstraintSet:
-    """Limits of the robot's file, and a torque bound about gravity where one is given (n,)."""
-    model, limits = robot.model, robot.model.limits
-    boxes = [
-        TorqueLimit(limits.torque, model.na),
-        JointPositionLimit(limits.position_lower, limits.position_upper, robot.brake_acceleration),
-        JointVelocityLimit(limits.velocity, model.na),
-    ]
-    if bound is not None:
-        boxes.append(TorqueLimit(bound, model.na, TorqueCenter.GRAVITY, "torque_bound"))
-    return ConstraintSet(boxes, model)
+def bound_torque(controller: Controller, bound: Array) -> None:
+    """Add a torque bound about gravity (a,) [Nm] to the constraints of a controller.
+
+    The settings know one number for all joints; the regime with active bounds needs one for each.
+    """
+    model = controller.model
+    box = TorqueLimit(bound, model.na, TorqueCenter.GRAVITY, "torque_bound")
+    controller.constraints = ConstraintSet([*controller.constraints.constraints, box], model)

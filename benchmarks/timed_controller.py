@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.states import DT, Segment, begin, constraints
+from benchmarks.states import DT, Segment, begin, bound_torque
 from ghc_controller.controller import Controller
 from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.report import StepStatus
@@ -126,7 +126,8 @@ def make_controller(robot: RobotConfig, variant: Variant, bound: Array | None) -
         torque_rate_limit=0.0,
     )
     controller = Controller(robot, settings)
-    controller.constraints = constraints(robot, bound)
+    if bound is not None:
+        bound_torque(controller, bound)
     controller.warm_up()
     return controller
 

@@ -37,6 +37,8 @@ def main() -> int:
         jobs.append((layout.lock(Way.SYSTEM, version), [*python, *same, *own]))
         models = ["requirements/models.in"]
         jobs.append((layout.models_lock(version), [*python, *upgrade, *same, *models]))
+        study = ["requirements/study-models.in"]
+        jobs.append((layout.study_models_lock(version), [*python, *upgrade, *same, *study]))
     for target, arguments in jobs:
         name = str(target.relative_to(root))
         print(f"lock: {name}", flush=True)

@@ -11,6 +11,7 @@ import importlib
 import os
 import sys
 from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
 
 from tools.workspace.environment import step_environment, uv_settings
 from tools.workspace.errors import SetupError
@@ -18,14 +19,18 @@ from tools.workspace.layout import Layout, Way
 from tools.workspace.run import Runner
 
 
-def install_missing(package: str, layout: Layout) -> None:
-    """Install the models' lock unless `package` is there; SetupError when that fails."""
+def install_missing(package: str, layout: Layout, lock: Path | None = None) -> None:
+    """Install a lock unless `package` is there; SetupError when that fails.
+
+    Args:
+        lock: that of the robot models when not given.
+    """
     try:
         distribution(package)
         return
     except PackageNotFoundError:
         pass
-    lock = layout.models_lock(sys.version_info[:2])
+    lock = lock or layout.models_lock(sys.version_info[:2])
     print(
         f"set-up: installing {lock.relative_to(layout.root)} (for the model of a robot)",
         file=sys.stderr,
@@ -55,8 +60,6 @@ def packages_of(robots: list[str]) -> list[str]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Install what is missing; 0 when it is there, 1 when it could not be installed."""
-    from pathlib import Path
-
     from ghc_controller.errors import GhcError
     from ghc_controller.robots import list_robots
     from ghc_sim_bridge.scenario import load_scenario

@@ -1,1 +1,35 @@
-"""Studies: each module has NAME, TITLE, run(quick, formulations) -> dict and table(result)."""
+"""The studies: one module each, found by being here.
+
+A study has NAME, TITLE, FORMULATIONS (those it is about), `run(quick, formulations)`, which
+returns {"facts": sizes and seeds, "formulations": {name: figures}}, all JSON values, and
+`table(result)`, Markdown with a sentence that says what the figures are.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from typing import Any, Protocol
+
+
+class Study(Protocol):
+    """What the module of a study offers."""
+
+    NAME: str
+    TITLE: str
+    FORMULATIONS: tuple[str, ...]
+
+    def run(self, quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
+        """Measure; a quick run is very small."""
+
+    def table(self, result: dict[str, Any]) -> str:
+        """Markdown of a stored result."""
+
+
+def load_studies() -> dict[str, Study]:
+    """All studies by name, in alphabetical order."""
+    modules = (
+        importlib.import_module(f"{__name__}.{entry.name}")
+        for entry in pkgutil.iter_modules(__path__)
+    )
+    return {module.NAME: module for module in modules}

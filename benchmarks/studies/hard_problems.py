@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 NAME = "hard_problems"
 TITLE = "Badly scaled, rank-deficient, near-singular and infeasible problems"
+FORMULATIONS = ("cascade", "hqp", "balanced")
 
 DAMPING = 1e-2  # [-] w
 VIOLATED = 1e-6  # [rad/s^2], [Nm], [N]
@@ -44,13 +45,14 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
         feasible += possible
         for name, formulation in solvers.items():
             records[name].add(formulation, plain, f"{index}: {kind}", possible)
-    return {
+    facts = {
         "problems": count,
         "damping": DAMPING,
         "feasible_with_interior": feasible,
         "iteration_cap": ITERATION_CAP,
-        "formulations": [{"name": name, **record.figures()} for name, record in records.items()],
     }
+    figures = {name: record.figures() for name, record in records.items()}
+    return {"facts": facts, "formulations": figures}
 
 
 class _Record:
@@ -106,20 +108,21 @@ class _Record:
 
 def table(result: dict[str, Any]) -> str:
     """Markdown of a result of `run`."""
+    facts = result["facts"]
     lines = [
-        f"{result['problems']} problems, {result['feasible_with_interior']} of them with a "
+        f"{facts['problems']} problems, {facts['feasible_with_interior']} of them with a "
         f"feasible point at least {_INTERIOR:.0e} away from all bounds (HiGHS). Damping "
-        f"{result['damping']}, cap {result['iteration_cap']} iterations.",
+        f"{facts['damping']}, cap {facts['iteration_cap']} iterations.",
         "",
         f"| formulation | status | exceptions | SOLVED, violation above {VIOLATED:.0e} | worst | "
         "not SOLVED though feasible | beyond cap | most iterations | slowest [ms] |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
-    for row in result["formulations"]:
+    for name, row in result["formulations"].items():
         worst = row["worst"][0] if row["worst"] else None
         columns = [
-            row["name"],
-            ", ".join(f"{count} {name}" for name, count in row["status"].items()),
+            name,
+            ", ".join(f"{count} {word}" for word, count in row["status"].items()),
             str(sum(row["exceptions"].values())),
             str(row["solved_with_violation"] + row["solved_not_finite"]),
             "-" if worst is None else f"{worst[0]:.1e} ({worst[1]})",

@@ -9,7 +9,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize("name", ["lock-py3.11", "lock-py3.12", "lock-noros-py3.12", "uv"])
+@pytest.mark.parametrize(
+    "name", ["lock-py3.11", "lock-py3.12", "lock-noros-py3.12", "uv", "study-models-py3.11"]
+)
 def test_every_locked_package_has_a_hash(name: str) -> None:
     text = (ROOT / "requirements" / f"{name}.txt").read_text(encoding="utf-8")
     blocks = [block for block in text.replace("\\\n", " ").splitlines() if "==" in block]

@@ -35,6 +35,7 @@ class ConstraintSet:
         for name in names:
             if names.count(name) > 1:
                 raise InvalidValue(f"constraint name '{name}' is given twice; names must differ")
+        self.constraints = tuple(constraints)
         base = tuple(f"base_{i}" for i in range(model.nv - model.na))
         self._acceleration = _Merge(
             [c for c in constraints if c.space is Space.ACCELERATION], base + model.joint_names
