@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.studies.plain_problems import cells, control_problem, rounded, spread
+from benchmarks.plain_problems import cells, control_problem, rounded, spread
 from ghc_controller.formulations import Formulation, FormulationSettings, make_formulation
 
 if TYPE_CHECKING:

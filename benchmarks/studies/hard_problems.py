@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.studies.plain_problems import control_problem, rounded
+from benchmarks.plain_problems import control_problem, rounded
 from ghc_controller.formulations import Formulation, FormulationSettings, make_formulation
 
 if TYPE_CHECKING:

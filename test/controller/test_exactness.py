@@ -22,7 +22,7 @@ from scipy.linalg import null_space
 
 from benchmarks.studies import exactness
 from benchmarks.studies import hard_problems as hard_study
-from benchmarks.studies.plain_problems import control_problem
+from benchmarks.plain_problems import control_problem
 from ghc_controller.formulations import FormulationSettings, SolutionStatus, make_formulation
 from ghc_controller.types import Array
 

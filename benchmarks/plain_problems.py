@@ -13,7 +13,7 @@ from ghc_controller.formulations import AccelerationRows, ContactRows, ControlPr
 from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array, Bounds
 
-_TESTS = str(Path(__file__).resolve().parents[2] / "test")
+_TESTS = str(Path(__file__).resolve().parents[1] / "test")
 if _TESTS not in sys.path:
     sys.path.append(_TESTS)  # the reference lives with the tests, away from src/
 
