@@ -14,7 +14,10 @@ from ghc_controller.types import Array
 # Of numba's fast mathematics only what lets a sum be vectorised; NaN stays NaN.
 REORDERED_SUMS = {"reassoc", "contract", "nsz"}
 
-_SMALLEST_PIVOT = 1e-15  # a matrix singular to rounding gets a factor instead of an exception
+# A matrix singular to rounding gets a factor instead of an exception. A pivot below the rounding
+# of its own diagonal entry would let the factor's inverse grow without bound.
+_SMALLEST_PIVOT = 1e-15
+_ROUNDING = 1e-14  # [-] of the diagonal entry
 
 
 @njit(cache=True, fastmath=REORDERED_SUMS)
@@ -27,7 +30,11 @@ def cholesky(matrix: Array) -> Array:  # pragma: no cover
             value = matrix[r, c]
             for e in range(c):
                 value -= lower[r, e] * lower[c, e]
-            lower[r, c] = value / lower[c, c] if c < r else np.sqrt(max(value, _SMALLEST_PIVOT))
+            if c < r:
+                lower[r, c] = value / lower[c, c]
+            else:
+                least = max(_ROUNDING * matrix[r, r], _SMALLEST_PIVOT)
+                lower[r, c] = np.sqrt(max(value, least))
     return lower
 
 

@@ -15,7 +15,7 @@ from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array, Bounds
 
-_KEEP_FEASIBLE = 1e-7  # [rad/s^2], [Nm] widening that keeps the answer of the level above
+_KEEP_FEASIBLE = 2e-8  # [rad/s^2], [Nm] widening that keeps the answer of the level above
 
 
 class Hqp(Formulation):
