@@ -14,8 +14,9 @@ from ghc_controller.types import Array
 # Of numba's fast mathematics only what lets a sum be vectorised; NaN stays NaN.
 REORDERED_SUMS = {"reassoc", "contract", "nsz"}
 
-# A matrix singular to rounding gets a factor instead of an exception. A pivot below the rounding
-# of its own diagonal entry would let the factor's inverse grow without bound.
+# A matrix singular to rounding gets a factor instead of an exception: a pivot that is no more than
+# the rounding of its own diagonal entry is raised to that, and its column, rounding too, is dropped.
+# Else the factor and its inverse grow from one such pivot to the next until they overflow.
 _SMALLEST_PIVOT = 1e-15
 _ROUNDING = 1e-14  # [-] of the diagonal entry
 
@@ -25,15 +26,17 @@ def cholesky(matrix: Array) -> Array:  # pragma: no cover
     """L (m, m), lower triangular, with L L^T = matrix; only its lower triangle is read."""
     m = matrix.shape[0]
     lower = np.zeros((m, m))
+    kept = np.ones(m)  # 0 where the column is dropped
     for r in range(m):
         for c in range(r + 1):
             value = matrix[r, c]
             for e in range(c):
                 value -= lower[r, e] * lower[c, e]
             if c < r:
-                lower[r, c] = value / lower[c, c]
+                lower[r, c] = kept[c] * value / lower[c, c]
             else:
                 least = max(_ROUNDING * matrix[r, r], _SMALLEST_PIVOT)
+                kept[c] = 1.0 if value >= least else 0.0
                 lower[r, c] = np.sqrt(max(value, least))
     return lower
 

@@ -11,20 +11,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from ghc_controller.formulations.box_kernels import (
-    affine,
-    is_inside,
-    is_outside,
-    rows_inside,
-    torques_inside,
-)
+from ghc_controller.formulations.acceptance import accept, in_words, judged, no_answer
+from ghc_controller.formulations.box_kernels import is_inside, rows_inside, torques_inside
 from ghc_controller.formulations.formulation import FormulationSettings, Solution, SolutionStatus
 from ghc_controller.formulations.problem import ContactRows, ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization, build_qp
 from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.formulations.relaxation import Relaxation, relax
 from ghc_controller.formulations.violation import largest_violation
-from ghc_controller.qp import VIOLATION_TOLERANCE, QpResult, QpSolver, Residuals
+from ghc_controller.qp import VIOLATION_TOLERANCE, QpSolver
 from ghc_controller.types import Array, Bounds
 
 
@@ -92,12 +87,12 @@ def solve_qp(
     cost = _cost(parametrization, hessian, gradient)
     qp = build_qp(reduced, parametrization, *cost, source.torque)
     result, check = solver.solve_checked(qp.problem, qp.row_norm)
-    answer = _accept(reduced, reduced, parametrization, source.torque, result, check)
+    answer = accept(reduced, reduced, parametrization, source.torque, result, check)
     if answer is not None:
         return answer
-    reason = result.reason or f"the QP ended with: {result.status.value}"
+    reason = in_words(result)
     if result.reason:  # not finite, or no pivot left: nothing further can be solved
-        return _no_answer(reduced, reason)
+        return no_answer(reduced, reason)
     for torque, with_forces in _stages(source):
         relaxation = relax(reduced, parametrization, solver, torque, with_forces)
         if relaxation is None:
@@ -105,7 +100,7 @@ def solve_qp(
         answer = _within(reduced, relaxation, parametrization, solver, torque, cost)
         if answer is not None:
             return answer._replace(rate_gave_way=torque is not source.torque)
-    return _no_answer(reduced, reason)
+    return no_answer(reduced, reason)
 
 
 def _stages(source: ControlProblem) -> list[tuple[Bounds, bool]]:
@@ -128,12 +123,12 @@ def _within(
     wider = relaxation.reduced
     qp = build_qp(wider, parametrization, *cost, torque)
     result, check = solver.solve_checked(qp.problem, qp.row_norm)
-    answer = _accept(reduced, wider, parametrization, torque, result, check)
+    answer = accept(reduced, wider, parametrization, torque, result, check)
     reason = ""
     if answer is None:
         y, force = relaxation.acceleration, relaxation.force
-        answer = _judged(reduced, wider, torque, y, force)
-        reason = "feasible, not optimal: " + (result.reason or result.status.value)
+        answer = judged(reduced, wider, torque, y, force)
+        reason = "feasible, not optimal: " + in_words(result)
     if answer is None:
         return None
     whole = largest_violation(
@@ -142,19 +137,6 @@ def _within(
     if whole <= VIOLATION_TOLERANCE and not reason:  # nothing gave way that counts
         return answer._replace(violation=whole)
     return answer._replace(status=SolutionStatus.RELAXED, reason=reason)
-
-
-def _no_answer(reduced: ReducedProblem, reason: str) -> Solution:
-    source = reduced.source
-    return Solution(
-        np.full(source.bias.shape[0], np.nan),
-        np.zeros(0),
-        np.full(reduced.torque_offset.shape[0], np.nan),
-        SolutionStatus.FAILED,
-        True,
-        violation=np.inf,
-        reason=reason,
-    )
 
 
 def _cost(
@@ -169,62 +151,3 @@ def _cost(
 def _unit_cost(p: int) -> tuple[Array, Array]:
     """Hessian and gradient of 1/2 |s|^2; no solver writes to its input."""
     return np.eye(p), np.zeros(p)
-
-
-def _accept(
-    given: ReducedProblem,
-    bounded: ReducedProblem,
-    parametrization: Parametrization,
-    torque: Bounds,
-    result: QpResult,
-    check: Residuals,
-) -> Solution | None:
-    """Solution of a QP answer that is optimal and violates no row of `bounded`; else None."""
-    if not (result.found and check.optimal):
-        return None
-    y = parametrization.acceleration + parametrization.acceleration_factor @ result.x
-    force = parametrization.force + parametrization.force_factor @ result.x
-    answer = _judged(given, bounded, torque, y, force)
-    if answer is None:
-        return None
-    return answer._replace(dual_residual=check.dual, iterations=result.iterations)
-
-
-def _judged(
-    given: ReducedProblem, bounded: ReducedProblem, torque: Bounds, y: Array, force: Array
-) -> Solution | None:
-    """Solution of y (d,) and f (c,) if it violates no row of `bounded`; slacks are to `given`."""
-    x, tau = bounded.answer(y, force) if given.source.contacts is not None else _box(bounded, y)
-    violation = largest_violation(bounded.source, x, force, tau, torque)
-    if not violation <= VIOLATION_TOLERANCE:
-        return None
-    source, rows_slack, force_slack = given.source, None, None
-    contacts, rows = source.contacts, source.rows
-    if contacts is not None:
-        push = contacts.force_matrix @ force
-        force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
-    if rows is not None:
-        rows_slack = _excess(rows.matrix @ x, rows.lower, rows.upper)
-    return Solution(
-        x,
-        force,
-        tau,
-        SolutionStatus.SOLVED,
-        True,
-        primal_residual=violation,
-        acceleration_slack=_excess(x, source.acceleration.lower, source.acceleration.upper),
-        rows_slack=rows_slack,
-        force_slack=force_slack,
-        violation=violation,
-    )
-
-
-def _box(reduced: ReducedProblem, y: Array) -> tuple[Array, Array]:
-    return y, affine(reduced.torque_matrix, y, reduced.torque_offset)
-
-
-def _excess(value: Array, lower: Array, upper: Array) -> Array | None:
-    """How far `value` lies outside its bounds, (r,); None where it lies inside."""
-    if not is_outside(value, lower, upper, VIOLATION_TOLERANCE):
-        return None
-    return np.maximum(np.maximum(lower - value, value - upper), 0.0)

@@ -11,7 +11,9 @@ from ghc_controller.formulations.formulation import Formulation, Solution, Solut
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import ReducedProblem, reduce_contacts
+from ghc_controller.formulations.violation import largest_violation
 from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.qp import VIOLATION_TOLERANCE
 from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array, Bounds
 
@@ -49,17 +51,19 @@ class Hqp(Formulation):
                 y + null @ best, np.ascontiguousarray(null @ factor), problem.contacts
             )
             found = solve_bounded(reduced, parametrization, self.solver, settings)
-            if found.status is SolutionStatus.FAILED:
-                if answer is None:
-                    return found
-                break  # rounding made the level above infeasible by a hair: keep its answer
+            if answer is None and found.status is SolutionStatus.FAILED:
+                return found
+            if answer is not None and not _keeps_bounds(problem, worst, found):
+                break  # no pivot left, or rounding: keep the answer of the level above
             worst = max(worst, found.status, key=lambda status: status.value)
-            first_slack = found if answer is None else answer
+            first = found if answer is None else answer
             answer = found._replace(
                 qp_solved=found.qp_solved or (answer is not None and answer.qp_solved),
-                acceleration_slack=first_slack.acceleration_slack,
-                rows_slack=first_slack.rows_slack,
-                force_slack=first_slack.force_slack,
+                acceleration_slack=first.acceleration_slack,
+                rows_slack=first.rows_slack,
+                force_slack=first.force_slack,
+                rate_gave_way=first.rate_gave_way,
+                reason=first.reason,
             )
             y = _reduced(reduced, found.acceleration)
             reduced = _keep_feasible(reduced, found)
@@ -74,6 +78,19 @@ def levels(alpha: Array) -> list[list[int]]:
     active = [i for i in range(alpha.shape[0]) if alpha[i, i] <= 0.5]
     above = {i: sum(alpha[i, j] > 0.5 for j in active if j != i) for i in active}
     return [[i for i in active if above[i] == count] for count in sorted(set(above.values()))]
+
+
+def _keeps_bounds(problem: ControlProblem, worst: SolutionStatus, found: Solution) -> bool:
+    """Whether an answer below the first level is optimal, and SOLVED ones within all bounds.
+
+    Each level may use the tolerance of the bounds anew: what counts are those of the problem.
+    """
+    if found.status is SolutionStatus.FAILED or found.reason:
+        return False
+    if worst is not SolutionStatus.SOLVED:
+        return True
+    answer = (found.acceleration, found.force, found.torque)
+    return largest_violation(problem, *answer, problem.torque) <= VIOLATION_TOLERANCE
 
 
 def _stack(reduced: ReducedProblem, starts: Starts, level: list[int]) -> tuple[Array, Array]:

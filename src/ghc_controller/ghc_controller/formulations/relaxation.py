@@ -18,7 +18,7 @@ from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array, Bounds
 
 _MARGIN = 1e-7  # [rad/s^2], [N] by which bounds are wider than the least slack asks for
-_SPAN = 1e-7  # [-] of the largest singular value: a direction below it cannot be used
+_SPAN = 1e-12  # [-] of the largest singular value: a direction below it cannot be used
 _PULL = 1e-3  # [-] weight of a step in (y, f) against the slack: root of what breaks ties
 _STEPS = 6  # at most, of which two are needed where soft rows are not nearly dependent
 _CONVERGED = 1e-8  # [rad/s^2], [N] change of the slack that ends them
@@ -94,7 +94,7 @@ def _least_slack(
     answer, so that what breaks ties costs no slack in the end.
     """
     size = start.acceleration_factor.shape[1]
-    at, last = start, np.inf
+    at, last = start, np.zeros(1)  # no slack needed at all: one step is enough
     point: tuple[Array, Array] | None = None
     for _ in range(_STEPS):
         qp = build_qp(reduced, at, np.eye(size), np.zeros(size), torque)
@@ -106,10 +106,9 @@ def _least_slack(
         y = at.acceleration + at.acceleration_factor @ s
         force = at.force + at.force_factor @ s
         point = (y, force)
-        largest = float(np.max(np.abs(slack), initial=0.0))
-        if abs(largest - last) <= _CONVERGED or largest <= _CONVERGED:
+        if np.max(np.abs(slack - last), initial=0.0) <= _CONVERGED:
             break
-        at, last = at._replace(acceleration=y, force=force), largest
+        at, last = at._replace(acceleration=y, force=force), slack
     return point
 
 

@@ -18,7 +18,7 @@ from ghc_controller.types import Array
 
 SOLVED, INFEASIBLE, LIMIT, FAILED = 0, 1, 2, 3
 
-_FEASIBLE = 1e-12  # [-] of 1 + |x|: a normalized row violated by less is met
+_FEASIBLE = 1e-14  # [-] of 1 + |x|: a normalized row violated by less is met
 _DEPENDENT = 1e-11  # [-] what is left of a normalized row that depends on the active ones
 _REFINEMENTS = 2  # corrections of the answer on its active rows
 
