@@ -20,9 +20,9 @@ from reference.problems import (
 )
 from scipy.linalg import null_space
 
+from benchmarks.plain_problems import control_problem
 from benchmarks.studies import exactness
 from benchmarks.studies import hard_problems as hard_study
-from benchmarks.plain_problems import control_problem
 from ghc_controller.formulations import FormulationSettings, SolutionStatus, make_formulation
 from ghc_controller.types import Array
 

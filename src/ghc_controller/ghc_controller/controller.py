@@ -98,6 +98,7 @@ class Controller:
         self._limits: Limits | None = None
         self._events: list[TransitionEvent] = []
         self.counts = {"qp_failures": 0, "fallback_ticks": 0, "relaxed_ticks": 0, "stale_ticks": 0}
+        self.counts |= self.formulation.solver.counts
 
     @classmethod
     def for_robot(
@@ -187,6 +188,7 @@ class Controller:
         self.contacts.begin(state.time)
         limits = self._limits = self._update_limits(dynamics, state, applied)
         after_terms = perf_counter()
+        self.formulation.solver.begin_step()
         solution = solve_settled(
             self.formulation,
             self._problem_views(),
@@ -306,6 +308,7 @@ class Controller:
         )
 
     def _count(self, status: StepStatus) -> None:
+        self.counts |= self.formulation.solver.counts
         if status is StepStatus.FALLBACK:
             self.counts["qp_failures"] += 1
             self.counts["fallback_ticks"] += 1

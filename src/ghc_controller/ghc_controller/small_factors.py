@@ -14,7 +14,11 @@ from ghc_controller.types import Array
 # Of numba's fast mathematics only what lets a sum be vectorised; NaN stays NaN.
 REORDERED_SUMS = {"reassoc", "contract", "nsz"}
 
-_SMALLEST_PIVOT = 1e-15  # a matrix singular to rounding gets a factor instead of an exception
+# A matrix singular to rounding gets a factor instead of an exception: a pivot that is no more than
+# the rounding of its own diagonal entry is raised to that, and its column, rounding too, is
+# dropped. Otherwise the factor and its inverse grow from pivot to pivot until they overflow.
+_SMALLEST_PIVOT = 1e-15
+_ROUNDING = 1e-14  # [-] of the diagonal entry
 
 
 @njit(cache=True, fastmath=REORDERED_SUMS)
@@ -22,12 +26,18 @@ def cholesky(matrix: Array) -> Array:  # pragma: no cover
     """L (m, m), lower triangular, with L L^T = matrix; only its lower triangle is read."""
     m = matrix.shape[0]
     lower = np.zeros((m, m))
+    kept = np.ones(m)  # 0 where the column is dropped
     for r in range(m):
         for c in range(r + 1):
             value = matrix[r, c]
             for e in range(c):
                 value -= lower[r, e] * lower[c, e]
-            lower[r, c] = value / lower[c, c] if c < r else np.sqrt(max(value, _SMALLEST_PIVOT))
+            if c < r:
+                lower[r, c] = kept[c] * value / lower[c, c]
+            else:
+                least = max(_ROUNDING * matrix[r, r], _SMALLEST_PIVOT)
+                kept[c] = 1.0 if value >= least else 0.0
+                lower[r, c] = np.sqrt(max(value, least))
     return lower
 
 

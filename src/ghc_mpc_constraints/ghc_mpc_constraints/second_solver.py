@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.qp import RESIDUAL_TOLERANCE, QpProblem, make_solver, residuals
+from ghc_controller.qp import RESIDUAL_TOLERANCE, QpProblem, SolverSettings, make_solver, residuals
 from ghc_controller.types import Array
+
+_MAX_PIVOTS = 4000  # a preview has hundreds of rows
 
 
 class SecondSolver:
     """Solves a QP written out; believes an answer only if it meets its conditions."""
 
     def __init__(self) -> None:
-        self._solver = make_solver("daqp")
+        self._solver = make_solver("daqp", SolverSettings(max_pivots=_MAX_PIVOTS))
         self.asked = 0
 
     def solve(self, problem: QpProblem) -> Array | None:

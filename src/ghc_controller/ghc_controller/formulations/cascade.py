@@ -26,6 +26,7 @@ from ghc_controller.formulations.formulation import (
 )
 from ghc_controller.formulations.level_answers import (
     keep_feasible,
+    keeps_bounds,
     reduced_acceleration,
     rows_of,
 )
@@ -114,7 +115,7 @@ class _Descent:
     ) -> None:
         self.settings, self.solver = settings, solver
         self.w, self.e = settings.regularization, settings.null_damping
-        self.reduced, self.forces = reduced, forces
+        self.reduced, self.forces, self.given = reduced, forces, reduced.source
         self.jacobian, self.target = reduced.jacobian[order.rows], reduced.target[order.rows]
         self.ends = order.ends
         self.basis, self.used = np.empty((len(order.rows) + 1, reduced.jacobian.shape[1])), 0
@@ -143,8 +144,10 @@ class _Descent:
             if free == count:
                 break
             found = self._bounded_level(free)
-            if found.status is SolutionStatus.FAILED:
-                return found if best is None else best
+            if best is None and found.status is SolutionStatus.FAILED:
+                return found
+            if best is not None and not keeps_bounds(self.given, best.status, found):
+                return best
             best = _after(best, found)
             self.y = reduced_acceleration(self.reduced, found.acceleration)
             self.reduced = keep_feasible(self.reduced, found)
@@ -214,4 +217,5 @@ def _after(above: Solution | None, found: Solution) -> Solution:
         rows_slack=above.rows_slack,
         force_slack=above.force_slack,
         rate_gave_way=above.rate_gave_way,
+        reason=above.reason,
     )

@@ -40,11 +40,10 @@ class FormulationSettings:
     metric_ratio: float = 1e3  # [-] kappa: what yields between two levels under active bounds
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
-    slack_weight: float = 1e6  # [-] on soft rows that give way
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
-        for name in ("regularization", "metric_ratio", "weight_ratio", "slack_weight"):
+        for name in ("regularization", "metric_ratio", "weight_ratio"):
             value = getattr(self, name)
             if not value > 0.0:
                 raise InvalidValue(f"{name} = {value} given, a positive number expected")
@@ -69,7 +68,7 @@ class Solution(NamedTuple):
     torque: Array  # (a,) [Nm]
     status: SolutionStatus
     qp_solved: bool  # False: the unconstrained optimum met every bound
-    primal_residual: float = 0.0  # largest violation of a hard row
+    primal_residual: float = 0.0  # largest violation of a row of the QP, as `violation`
     dual_residual: float = 0.0
     iterations: int = 0
     acceleration_slack: Array | None = None  # (n,) by how far the soft box gave way
@@ -77,6 +76,8 @@ class Solution(NamedTuple):
     force_slack: Array | None = None  # (r,) by how far the rows on contact forces gave way [N]
     rate_gave_way: bool = False
     progress: float = 0.0  # [-] of a ramp with a torque-rate budget
+    violation: float = 0.0  # [rad/s^2], [Nm] or [N] largest one of a row, what gave way aside
+    reason: str = ""  # in words, where the status is FAILED or the answer is feasible and no more
 
     @classmethod
     def unbounded(cls, acceleration: Array, torque: Array, force: Array = NO_FORCE) -> Solution:

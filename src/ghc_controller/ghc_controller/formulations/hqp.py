@@ -8,6 +8,7 @@ from ghc_controller.formulations.bounded_qp import solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution, SolutionStatus
 from ghc_controller.formulations.level_answers import (
     keep_feasible,
+    keeps_bounds,
     reduced_acceleration,
     rows_of,
 )
@@ -51,17 +52,19 @@ class Hqp(Formulation):
                 y + null @ best, np.ascontiguousarray(null @ factor), problem.contacts
             )
             found = solve_bounded(reduced, parametrization, self.solver, settings)
-            if found.status is SolutionStatus.FAILED:
-                if answer is None:
-                    return found
-                break  # rounding made the level above infeasible by a hair: keep its answer
+            if answer is None and found.status is SolutionStatus.FAILED:
+                return found
+            if answer is not None and not keeps_bounds(problem, worst, found):
+                break  # no pivot left, or rounding: keep the answer of the level above
             worst = max(worst, found.status, key=lambda status: status.value)
-            first_slack = found if answer is None else answer
+            first = found if answer is None else answer
             answer = found._replace(
                 qp_solved=found.qp_solved or (answer is not None and answer.qp_solved),
-                acceleration_slack=first_slack.acceleration_slack,
-                rows_slack=first_slack.rows_slack,
-                force_slack=first_slack.force_slack,
+                acceleration_slack=first.acceleration_slack,
+                rows_slack=first.rows_slack,
+                force_slack=first.force_slack,
+                rate_gave_way=first.rate_gave_way,
+                reason=first.reason,
             )
             y = reduced_acceleration(reduced, found.acceleration)
             reduced = keep_feasible(reduced, found)

@@ -7,12 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ghc_controller.formulations.formulation import Solution
+from ghc_controller.formulations.formulation import Solution, SolutionStatus
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.reduction import ReducedProblem
+from ghc_controller.formulations.violation import largest_violation
 from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.qp import VIOLATION_TOLERANCE
 from ghc_controller.types import Array, Bounds
 
-_KEEP_FEASIBLE = 1e-7  # [rad/s^2], [Nm], [N] widening that keeps the answer of the level above
+_KEEP_FEASIBLE = 2e-8  # [rad/s^2], [Nm], [N] widening that keeps the answer of the level above
 
 
 def rows_of(starts: Starts, tasks: Sequence[int]) -> Starts:
@@ -50,6 +53,22 @@ def keep_feasible(reduced: ReducedProblem, found: Solution) -> ReducedProblem:
         contacts=contacts,
     )
     return reduced._replace(source=widened)
+
+
+def keeps_bounds(problem: ControlProblem, worst: SolutionStatus, found: Solution) -> bool:
+    """Whether an answer below the first level is optimal, and SOLVED ones within all bounds.
+
+    Each level may use the tolerance of the bounds anew: what counts are those of the problem.
+
+    Args:
+        worst: status of the levels above.
+    """
+    if found.status is SolutionStatus.FAILED or found.reason:
+        return False
+    if worst is not SolutionStatus.SOLVED:
+        return True
+    answer = (found.acceleration, found.force, found.torque)
+    return largest_violation(problem, *answer, problem.torque) <= VIOLATION_TOLERANCE
 
 
 def _containing(lower: Array, upper: Array, value: Array) -> tuple[Array, Array]:

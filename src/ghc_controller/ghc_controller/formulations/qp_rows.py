@@ -132,20 +132,23 @@ def _balance(reduced: ReducedProblem, parametrization: Parametrization) -> tuple
     return matrix, target
 
 
-def soften(qp: SoftQp, soft: int, slack_weight: float) -> QpProblem:
-    """The same QP with a slack on the first `soft` rows, scaled so that it costs 1/2 |slack|^2."""
+def soften(qp: SoftQp, first: int, last: int) -> QpProblem:
+    """The same QP with a slack on rows first .. last, and without the rows before them.
+
+    A slack has the physical units of its row ([rad/s^2] or [N]) and costs 1/2 slack^2.
+    """
     problem = qp.problem
-    p, r = problem.g.shape[0], problem.l.shape[0]
+    p, soft = problem.g.shape[0], last - first
     hessian = np.eye(p + soft)
     hessian[:p, :p] = problem.H
-    slack = np.zeros((r, soft))
-    slack[:soft] = np.eye(soft) / np.sqrt(slack_weight)
+    slack = np.zeros((problem.l.shape[0] - first, soft))
+    slack[:soft] = np.diag(1.0 / qp.row_norm[first:last])
     return QpProblem(
         hessian,
         np.concatenate([problem.g, np.zeros(soft)]),
         np.hstack([problem.A, np.zeros((problem.b.shape[0], soft))]),
         problem.b,
-        np.hstack([problem.C, slack]),
-        problem.l,
-        problem.u,
+        np.hstack([problem.C[first:], slack]),
+        problem.l[first:],
+        problem.u[first:],
     )

@@ -1,12 +1,18 @@
 """Quadratic programs: the problem, its solution, and the solvers behind one interface."""
 
 from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus
-from ghc_controller.qp.residuals import RESIDUAL_TOLERANCE, Residuals, residuals
+from ghc_controller.qp.residuals import (
+    RESIDUAL_TOLERANCE,
+    VIOLATION_TOLERANCE,
+    Residuals,
+    residuals,
+)
 from ghc_controller.qp.solver import SOLVERS, QpSolver, SolverSettings, make_solver
 
 __all__ = [
     "RESIDUAL_TOLERANCE",
     "SOLVERS",
+    "VIOLATION_TOLERANCE",
     "QpProblem",
     "QpResult",
     "QpSolver",

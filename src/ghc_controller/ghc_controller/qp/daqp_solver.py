@@ -13,7 +13,6 @@ _EQUALITY = 5
 _OPTIMAL = 1
 _STATUS = {1: QpStatus.SOLVED, 2: QpStatus.SOLVED, -1: QpStatus.INFEASIBLE}
 _STATUS[-4] = QpStatus.ITERATION_LIMIT
-_PIVOTS_PER_ITERATION = 20
 _MANY_ACTIVE = 10  # rows; from here on a start from the last active set is worth its overhead
 
 
@@ -27,11 +26,11 @@ class DaqpSolver(QpSolver):
     name = "daqp"
 
     def __init__(self, settings: SolverSettings) -> None:
-        self._settings = settings
+        super().__init__(settings)
         self._multipliers: dict[tuple[int, int, int], Array] = {}  # by size of the problem
 
-    def solve(self, problem: QpProblem) -> QpResult:
-        """See QpSolver.solve."""
+    def run(self, problem: QpProblem, limit: int) -> QpResult:
+        """See QpSolver.run."""
         equalities = problem.b.shape[0]
         if equalities:
             rows = np.vstack([problem.A, problem.C])
@@ -49,8 +48,8 @@ class DaqpSolver(QpSolver):
             upper,
             lower,
             sense,
-            primal_tol=self._settings.tolerance,
-            iter_limit=self._settings.max_iterations * _PIVOTS_PER_ITERATION,
+            primal_tol=self.settings.tolerance,
+            iter_limit=limit,
             dual_start=self._multipliers.pop(size, None),
         )
         multipliers = np.asarray(info["lam"])

@@ -5,11 +5,17 @@ min  1/2 x^T H x + g^T x   subject to   A x = b,   l <= C x <= u
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from typing import NamedTuple
 
+import numpy as np
+from numba import njit
+
 from ghc_controller.errors import WrongSize
 from ghc_controller.types import Array
+
+_NAMES = ("H", "g", "A", "b", "C", "l", "u")
 
 
 class QpProblem(NamedTuple):
@@ -37,6 +43,14 @@ class QpProblem(NamedTuple):
             if given != shape:
                 raise WrongSize(f"QP matrix {name}", given, shape)
 
+    def not_finite(self) -> str:
+        """Name of the first entry of the QP that is not finite; "" where all can be used.
+
+        A bound may be infinite on its own side.
+        """
+        found = _first_not_finite(self.H, self.g, self.A, self.b, self.C, self.l, self.u)
+        return "" if found < 0 else _NAMES[found]
+
 
 class QpStatus(Enum):
     """How a solve ended."""
@@ -54,9 +68,47 @@ class QpResult(NamedTuple):
     y: Array  # (e,) of the equalities
     z: Array  # (r,) of the inequalities; > 0 at the upper bound, < 0 at the lower one
     status: QpStatus
-    iterations: int
+    iterations: int  # pivots, or inner iterations of ProxQP
+    reason: str = ""  # in words, where no solver was called
 
     @property
     def found(self) -> bool:
         """True when the solver reports an optimum; `residuals` says whether it is one."""
         return self.status is QpStatus.SOLVED
+
+    @classmethod
+    def without_answer(cls, problem: QpProblem, status: QpStatus, reason: str) -> QpResult:
+        """Result of a solve that did not begin: NaN, and the reason."""
+        x, y, z = (np.full_like(part, math.nan) for part in (problem.g, problem.b, problem.l))
+        return cls(x, y, z, status, 0, reason)
+
+
+@njit(cache=True)
+def _first_not_finite(
+    hessian: Array,
+    linear: Array,
+    equalities: Array,
+    right: Array,
+    rows: Array,
+    low: Array,
+    up: Array,
+) -> int:  # pragma: no cover
+    """Index into _NAMES, -1 where everything can be used."""
+    for r in range(linear.shape[0]):
+        if not math.isfinite(np.sum(hessian[r])):
+            return 0
+    if not math.isfinite(np.sum(linear)):
+        return 1
+    for r in range(right.shape[0]):
+        if not math.isfinite(np.sum(equalities[r])):
+            return 2
+        if not math.isfinite(right[r]):
+            return 3
+    for r in range(low.shape[0]):
+        if not math.isfinite(np.sum(rows[r])):
+            return 4
+        if not low[r] < math.inf:
+            return 5
+        if not up[r] > -math.inf:
+            return 6
+    return -1

@@ -16,6 +16,10 @@ _STATUS = {
     proxqp.QPSolverOutput.PROXQP_PRIMAL_INFEASIBLE: QpStatus.INFEASIBLE,
     proxqp.QPSolverOutput.PROXQP_DUAL_INFEASIBLE: QpStatus.FAILED,
 }
+_INNER = 10  # inner iterations per outer one; more of them rescue no problem, they only take time
+_DUALITY_GAP = (
+    1e-7  # of the cost; without it multipliers of rows that are not active are let through
+)
 _MAX_WORKSPACES = 8  # sizes kept; nominal, relaxed and one per level of a cascade
 
 
@@ -28,11 +32,16 @@ class ProxqpSolver(QpSolver):
     name = "proxqp"
 
     def __init__(self, settings: SolverSettings) -> None:
-        self._settings = settings
+        super().__init__(settings)
         self._workspaces: OrderedDict[tuple[int, int, int], Any] = OrderedDict()
 
-    def solve(self, problem: QpProblem) -> QpResult:
-        """See QpSolver.solve."""
+    @property
+    def pivots_per_qp(self) -> int:
+        """See QpSolver.pivots_per_qp: inner iterations."""
+        return self.settings.max_iterations * _INNER
+
+    def run(self, problem: QpProblem, limit: int) -> QpResult:
+        """See QpSolver.run."""
         sizes = (problem.g.shape[0], problem.b.shape[0], problem.l.shape[0])
         workspace = self._workspaces.get(sizes)
         if workspace is None:
@@ -51,6 +60,7 @@ class ProxqpSolver(QpSolver):
                 u=problem.u,
                 update_preconditioner=True,
             )
+        workspace.settings.max_iter = max(limit // _INNER, 1)
         workspace.solve()
         results = workspace.results
         status = _STATUS.get(results.info.status, QpStatus.FAILED)
@@ -64,9 +74,12 @@ class ProxqpSolver(QpSolver):
     def _new_workspace(self, sizes: tuple[int, int, int]) -> Any:
         workspace = proxqp.dense.QP(*sizes)
         settings = workspace.settings
-        settings.eps_abs = self._settings.tolerance
+        settings.eps_abs = self.settings.tolerance
         settings.eps_rel = 0.0
-        settings.max_iter = self._settings.max_iterations
+        settings.check_duality_gap = True
+        settings.eps_duality_gap_abs = _DUALITY_GAP
+        settings.eps_duality_gap_rel = 0.0
+        settings.max_iter_in = _INNER
         # The defaults report false infeasibility where force bounds are small.
         settings.eps_primal_inf = 1e-14
         settings.eps_dual_inf = 1e-14

@@ -1,4 +1,4 @@
-"""KKT residuals of an answer: not a word of the solver is trusted."""
+"""KKT residuals of an answer: the solver's own status is not trusted."""
 
 from __future__ import annotations
 
@@ -11,16 +11,20 @@ from numba import njit
 from ghc_controller.qp.problem import QpProblem, QpResult
 from ghc_controller.types import Array
 
-RESIDUAL_TOLERANCE = 1e-7  # [-] relative residual up to which an answer is believed
+VIOLATION_TOLERANCE = 1e-6  # [rad/s^2], [Nm], [N] of an accepted answer
+RESIDUAL_TOLERANCE = 1e-7  # [-] of an accepted answer's stationarity
+_GAP_TOLERANCE = 1e-6  # [-] of an accepted answer's cost
+_ROUNDING_SHARE = 0.5  # of the violation, left for what follows from the answer
 
 
 class Residuals(NamedTuple):
     """KKT residuals of an answer (largest entry of each); NaN where the answer is not finite."""
 
-    primal: float  # violation of the equalities and bounds
+    primal: float  # violation of the equalities and bounds, in the units of the rows
     dual: float  # stationarity
     complementarity: float  # multiplier times distance to its bound
     size: float  # 1 + the largest entry of the answer
+    terms: float  # 1 + the largest term of the stationarity
 
     @property
     def relative(self) -> float:
@@ -28,13 +32,24 @@ class Residuals(NamedTuple):
         return max(self.primal, self.dual) / self.size
 
     @property
+    def optimal(self) -> bool:
+        """Whether the answer is stationary and its multipliers belong to active rows."""
+        gap = _GAP_TOLERANCE * self.size * self.size
+        return self.dual <= RESIDUAL_TOLERANCE * self.terms and self.complementarity <= gap
+
+    @property
     def small(self) -> bool:
-        """Whether the answer can be believed."""
-        return self.relative <= RESIDUAL_TOLERANCE
+        """Whether the answer can be accepted: optimal, and no row violated."""
+        return self.primal <= _ROUNDING_SHARE * VIOLATION_TOLERANCE and self.optimal
 
 
-def residuals(problem: QpProblem, result: QpResult) -> Residuals:
-    """KKT residuals of `result`."""
+def residuals(problem: QpProblem, result: QpResult, units: Array | None = None) -> Residuals:
+    """KKT residuals of `result`.
+
+    Args:
+        units: (r,) by which a violation of each inequality row is multiplied: the norms by which
+            the rows were divided give it in rad/s^2, Nm and N. None: the rows as they are.
+    """
     return Residuals(
         *_kkt_residuals(
             problem.H,
@@ -47,6 +62,7 @@ def residuals(problem: QpProblem, result: QpResult) -> Residuals:
             result.x,
             result.y,
             result.z,
+            np.ones(problem.l.shape[0]) if units is None else units,
         )
     )
 
@@ -71,27 +87,32 @@ def _kkt_residuals(
     x: Array,
     y: Array,
     z: Array,
-) -> tuple[float, float, float, float]:  # pragma: no cover
-    """Primal, dual, complementarity, 1 + max |x|."""
+    units: Array,
+) -> tuple[float, float, float, float, float]:  # pragma: no cover
+    """Primal, dual, complementarity, 1 + max |x|, 1 + the largest term of the dual."""
     if not (np.isfinite(x).all() and np.isfinite(y).all() and np.isfinite(z).all()):
-        return math.nan, math.nan, math.nan, 1.0
-    primal, dual, complementarity, size = 0.0, 0.0, 0.0, 1.0
+        return math.nan, math.nan, math.nan, 1.0, 1.0
+    primal, dual, complementarity, size, terms = 0.0, 0.0, 0.0, 1.0, 1.0
     gradient = linear.copy()
     for c in range(x.shape[0]):
-        gradient[c] += _row_times(hessian[c], x)
+        value = _row_times(hessian[c], x)
+        terms = max(terms, 1.0 + abs(gradient[c]), 1.0 + abs(value))
+        gradient[c] += value
         size = max(size, 1.0 + abs(x[c]))
     for r in range(y.shape[0]):
         primal = max(primal, abs(_row_times(equalities[r], x) - right[r]))
         for c in range(x.shape[0]):
             gradient[c] += y[r] * equalities[r, c]
+            terms = max(terms, 1.0 + abs(y[r] * equalities[r, c]))
     for r in range(z.shape[0]):
         value = _row_times(rows[r], x)
-        primal = max(primal, lower[r] - value, value - upper[r])
+        primal = max(primal, units[r] * (lower[r] - value), units[r] * (value - upper[r]))
         if z[r] != 0.0:
             distance = upper[r] - value if z[r] > 0.0 else value - lower[r]
             complementarity = max(complementarity, abs(z[r] * distance))
             for c in range(x.shape[0]):
                 gradient[c] += z[r] * rows[r, c]
+                terms = max(terms, 1.0 + abs(z[r] * rows[r, c]))
     for c in range(x.shape[0]):
         dual = max(dual, abs(gradient[c]))
-    return primal, dual, complementarity, size
+    return primal, dual, complementarity, size, terms

@@ -1,4 +1,4 @@
-"""The interface of a QP solver and the choice between them."""
+"""The interface of a QP solver, its budget, and the choice between solvers."""
 
 from __future__ import annotations
 
@@ -7,31 +7,89 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ghc_controller.errors import UnknownName
-from ghc_controller.qp.problem import QpProblem, QpResult
+from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus
 from ghc_controller.qp.residuals import Residuals, residuals
+from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True)
 class SolverSettings:
-    """Tolerance and effort of a solve, the same words for every solver."""
+    """Tolerance and effort of a solve, the same words for every solver.
+
+    Effort is a count, not a time, so that an answer never depends on the machine.
+    """
 
     tolerance: float = 1e-9  # largest primal and dual residual, in the QP's own scale
-    max_iterations: int = 200  # proxqp: outer iterations; daqp: 20 times as many pivots
+    max_pivots: int = 200  # of each active-set solver per QP
+    max_iterations: int = 200  # of ProxQP per QP: outer ones, each with at most 10 inner ones
+    max_step_pivots: int = 2000  # of all QPs of a control step together, see begin_step
 
 
 class QpSolver(ABC):
-    """Solves one QP after the other; sizes may change between calls."""
+    """Solves one QP after the other; sizes may change between calls.
+
+    `counts` adds up by name: `second_solver` QPs that were handed to the second solver, `capped`
+    QPs that ended at a cap or were not begun since the budget was spent, `not_finite` QPs that
+    were rejected.
+    """
 
     name: str
 
-    @abstractmethod
+    def __init__(self, settings: SolverSettings) -> None:
+        self.settings = settings
+        self.counts = {"second_solver": 0, "capped": 0, "not_finite": 0}
+        self._budget: int | None = None  # None: no control step has begun
+
+    @property
+    def pivots_per_qp(self) -> int:
+        """Largest number of pivots of one QP."""
+        return self.settings.max_pivots
+
+    def begin_step(self) -> None:
+        """Begin a control step: its QPs share `max_step_pivots`; before it each QP is capped."""
+        self._budget = self.settings.max_step_pivots
+
     def solve(self, problem: QpProblem) -> QpResult:
         """Solve; never raises for a problem without solution, `status` says so."""
+        return self.solve_checked(problem)[0]
 
-    def solve_checked(self, problem: QpProblem) -> tuple[QpResult, Residuals]:
-        """Solve, with the residuals of the answer."""
-        result = self.solve(problem)
-        return result, residuals(problem, result)
+    def solve_checked(
+        self, problem: QpProblem, units: Array | None = None
+    ) -> tuple[QpResult, Residuals]:
+        """Solve, with the residuals of the answer (`units` as in `residuals`)."""
+        name = problem.not_finite()
+        if name:
+            self.counts["not_finite"] += 1
+            reason = f"{name} of the QP is not finite"
+            result = QpResult.without_answer(problem, QpStatus.FAILED, reason)
+            return result, residuals(problem, result, units)
+        result, check = self._solve_checked(problem, units)
+        self.counts["capped"] += result.status is QpStatus.ITERATION_LIMIT
+        return result, check
+
+    def _solve_checked(
+        self, problem: QpProblem, units: Array | None
+    ) -> tuple[QpResult, Residuals]:
+        """Solve a QP of finite numbers within the budget."""
+        result = self.limited(problem, self)
+        return result, residuals(problem, result, units)
+
+    def limited(self, problem: QpProblem, solver: QpSolver) -> QpResult:
+        """Answer of `solver` within the budget of this one."""
+        limit = solver.pivots_per_qp
+        if self._budget is not None:
+            limit = min(limit, self._budget)
+            if limit <= 0:
+                reason = "the pivots of this control step are spent"
+                return QpResult.without_answer(problem, QpStatus.ITERATION_LIMIT, reason)
+        result = solver.run(problem, limit)
+        if self._budget is not None:
+            self._budget -= max(result.iterations, 1)
+        return result
+
+    @abstractmethod
+    def run(self, problem: QpProblem, limit: int) -> QpResult:
+        """Solve a QP of finite numbers in at most `limit` pivots."""
 
 
 def _proxqp(settings: SolverSettings) -> QpSolver:
@@ -42,9 +100,10 @@ def _proxqp(settings: SolverSettings) -> QpSolver:
 
 def _daqp(settings: SolverSettings) -> QpSolver:
     from ghc_controller.qp.daqp_solver import DaqpSolver
-    from ghc_controller.qp.second_opinion import SecondOpinion
+    from ghc_controller.qp.dual_solver import DualSolver
+    from ghc_controller.qp.fallback import Fallback
 
-    return SecondOpinion(DaqpSolver(settings), _proxqp(settings))
+    return Fallback(DaqpSolver(settings), DualSolver(settings), settings)
 
 
 # daqp comes first: on the whitened problems of this stack it takes a tenth of ProxQP's time, is

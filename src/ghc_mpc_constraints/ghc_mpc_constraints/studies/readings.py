@@ -57,7 +57,7 @@ def _case(reading: Reading) -> MotionCase:
 def _solver(reading: Reading) -> Callable[[Array, Array], float]:
     """First input of the QP of a reading, written out densely."""
     model = integrator_chain(reading.order, _HORIZON)
-    solver = make_solver("daqp", SolverSettings(tolerance=1e-8))
+    solver = make_solver("daqp", SolverSettings(tolerance=1e-8, max_pivots=4000))
     hessian, change = _hessian(reading, model)
     slope = _slope(model)
     last = 0.0

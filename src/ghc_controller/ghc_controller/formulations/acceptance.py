@@ -1,0 +1,123 @@
+"""Whether an answer of a QP is accepted: optimal, and no row violated in physical units."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.formulations.box_kernels import affine, is_outside
+from ghc_controller.formulations.formulation import Solution, SolutionStatus
+from ghc_controller.formulations.qp_rows import Parametrization, build_qp
+from ghc_controller.formulations.reduction import ReducedProblem
+from ghc_controller.formulations.violation import largest_violation
+from ghc_controller.qp import VIOLATION_TOLERANCE, QpResult, Residuals
+from ghc_controller.types import Array, Bounds
+
+_POLISHES = 2  # corrections of an optimal answer that still violates a row
+
+
+def accept(
+    given: ReducedProblem,
+    bounded: ReducedProblem,
+    parametrization: Parametrization,
+    torque: Bounds,
+    result: QpResult,
+    check: Residuals,
+) -> Solution | None:
+    """Solution of a QP answer that is optimal and violates no row of `bounded`; else None."""
+    if not (result.found and check.optimal):
+        return None
+    s = result.x
+    at = parametrization._replace(
+        acceleration=parametrization.acceleration + parametrization.acceleration_factor @ s,
+        force=parametrization.force + parametrization.force_factor @ s,
+    )
+    answer = judged(given, bounded, torque, at.acceleration, at.force)
+    for _ in range(_POLISHES):
+        if answer is not None:
+            break
+        at = _polished(bounded, at, torque, result)
+        answer = judged(given, bounded, torque, at.acceleration, at.force)
+    if answer is None:
+        return None
+    return answer._replace(dual_residual=check.dual, iterations=result.iterations)
+
+
+def _polished(
+    bounded: ReducedProblem, at: Parametrization, torque: Bounds, result: QpResult
+) -> Parametrization:
+    """Center `at` moved by the least s after which the active rows hold.
+
+    Their distances are computed anew from the accelerations and forces: where the variables s are
+    of widely different scale, those of the QP carry its rounding.
+    """
+    p = at.acceleration_factor.shape[1]
+    problem = build_qp(bounded, at, np.eye(p), np.zeros(p), torque).problem
+    active = result.z != 0.0
+    rows = np.vstack([problem.A, problem.C[active]])
+    distance = np.where(result.z > 0.0, problem.u, problem.l)[active]
+    s = np.linalg.lstsq(rows, np.concatenate([problem.b, distance]), rcond=None)[0]
+    return at._replace(
+        acceleration=at.acceleration + at.acceleration_factor @ s,
+        force=at.force + at.force_factor @ s,
+    )
+
+
+def judged(
+    given: ReducedProblem, bounded: ReducedProblem, torque: Bounds, y: Array, force: Array
+) -> Solution | None:
+    """Solution of y (d,) and f (c,) if it violates no row of `bounded`; slacks are to `given`."""
+    x, tau = _box(bounded, y) if bounded.basis is None else bounded.answer(y, force)
+    violation = largest_violation(bounded.source, x, force, tau, torque)
+    if not violation <= VIOLATION_TOLERANCE:
+        return None
+    source, rows_slack, force_slack = given.source, None, None
+    contacts, rows = source.contacts, source.rows
+    if contacts is not None:
+        push = contacts.force_matrix @ force
+        force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
+    if rows is not None:
+        rows_slack = _excess(rows.matrix @ x, rows.lower, rows.upper)
+    return Solution(
+        x,
+        force,
+        tau,
+        SolutionStatus.SOLVED,
+        True,
+        primal_residual=violation,
+        acceleration_slack=_excess(x, source.acceleration.lower, source.acceleration.upper),
+        rows_slack=rows_slack,
+        force_slack=force_slack,
+        violation=violation,
+    )
+
+
+def _box(reduced: ReducedProblem, y: Array) -> tuple[Array, Array]:
+    return y, affine(reduced.torque_matrix, y, reduced.torque_offset)
+
+
+def _excess(value: Array, lower: Array, upper: Array) -> Array | None:
+    """How far `value` lies outside its bounds, (r,); None where it lies inside."""
+    if not is_outside(value, lower, upper, VIOLATION_TOLERANCE):
+        return None
+    return np.maximum(np.maximum(lower - value, value - upper), 0.0)
+
+
+def no_answer(reduced: ReducedProblem, reason: str) -> Solution:
+    """Solution of a problem without an answer: NaN, and the reason in words."""
+    source = reduced.source
+    return Solution(
+        np.full(source.bias.shape[0], np.nan),
+        np.zeros(0),
+        np.full(reduced.torque_offset.shape[0], np.nan),
+        SolutionStatus.FAILED,
+        True,
+        violation=np.inf,
+        reason=reason,
+    )
+
+
+def in_words(result: QpResult) -> str:
+    """Why an answer was not accepted."""
+    if result.found:
+        return "the answer of the QP violates a row or is not optimal"
+    return result.reason or f"QP: {result.status.value}"

@@ -1,0 +1,52 @@
+"""How far an answer lies outside its rows, in physical units, recomputed from the answer."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from ghc_controller.formulations.box_kernels import affine
+from ghc_controller.formulations.problem import ControlProblem
+from ghc_controller.types import Array, Bounds
+
+
+def largest_violation(
+    problem: ControlProblem, acceleration: Array, force: Array, torque: Array, box: Bounds
+) -> float:
+    """Largest violation of any row by x (n,), f (c,) and tau (a,); inf where they are not finite.
+
+    Rows: acceleration box [rad/s^2], general rows [their units], force rows [N], torque box [Nm],
+    and M x + h = [0; tau] + J_f^T f [N], [Nm] of every coordinate.
+
+    Args:
+        box: (a,) the torque box in force, that of the problem unless the rate gave way.
+    """
+    generalized = np.concatenate([np.zeros(problem.unactuated), torque])
+    contacts, rows = problem.contacts, problem.rows
+    if contacts is not None:
+        generalized += contacts.force_jacobian.T @ force
+    wanted = affine(problem.mass_matrix, acceleration, problem.bias)
+    worst = max(
+        _outside(acceleration, problem.acceleration.lower, problem.acceleration.upper),
+        _outside(torque, box.lower, box.upper),
+        _outside(wanted, generalized, generalized),
+    )
+    if contacts is not None:
+        push = contacts.force_matrix @ force
+        worst = max(worst, _outside(push, contacts.force_lower, contacts.force_upper))
+    if rows is not None:
+        worst = max(worst, _outside(rows.matrix @ acceleration, rows.lower, rows.upper))
+    return worst
+
+
+@njit(cache=True)
+def _outside(value: Array, lower: Array, upper: Array) -> float:  # pragma: no cover
+    """Largest distance of an entry from its bounds; inf for NaN."""
+    worst = 0.0
+    for r in range(value.shape[0]):
+        if not math.isfinite(value[r]):
+            return math.inf
+        worst = max(worst, lower[r] - value[r], value[r] - upper[r])
+    return worst
