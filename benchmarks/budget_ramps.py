@@ -1,0 +1,121 @@
+"""Torque-rate budgets: what a ramp adds, and the shortest ramp that keeps the budget."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.random_tasks import strict_matrix
+from ghc_controller.controller import Controller
+from ghc_controller.formulations import make_formulation
+from ghc_controller.hierarchy import Priorities, PriorityMatrix, Profile, Transition
+from ghc_controller.reference import ReferenceTrajectory
+from ghc_controller.types import Array, RobotState
+from ghc_sim_bridge.simulator import Simulator
+
+PERIOD = 1e-3  # [s]
+_LONGEST = 8.0  # [s] a ramp that takes longer counts as stalled
+_HALVINGS = 7  # of the bracket of the shortest duration
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One change of priorities of one robot."""
+
+    q: Array  # (nq,) at the start
+    references: Sequence[ReferenceTrajectory]
+    begin: Sequence[int]  # orders of task indices, highest first
+    goal: Sequence[int]
+    scene: str  # of the simulator; "" = the state is held
+    lead: float  # [s] of motion before the change
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """What one ramp did."""
+
+    duration: float  # [s]; inf: not done within _LONGEST
+    added: float  # [Nm/s @ 1 ms] largest change of torque by the ramp alone
+
+
+def follow(controller: Controller, case: Case, duration: float, torque_rate: float) -> Way:
+    """Ramp linearly over `duration` [s], or as the budget `torque_rate` [Nm/s] asks."""
+    step = _begin(controller, case)
+    names = controller.robot.task_names
+    start, schedule = round(case.lead / PERIOD) * PERIOD, controller.priorities
+    target = PriorityMatrix(names, strict_matrix(case.goal, len(names)))
+    controller.add_transition(
+        Transition(target, start, duration, Profile.LINEAR, torque_rate=torque_rate), 0.0
+    )
+    judge = make_formulation(controller.formulation.name, controller.settings.optimization)
+    added, tick = 0.0, 0
+    while tick * PERIOD < start + _LONGEST:
+        before = schedule.in_force
+        torque = step(tick * PERIOD)
+        if tick * PERIOD >= start - 0.5 * PERIOD:
+            frozen = judge.solve(replace(controller.problem(), priorities=before)).torque
+            added = max(added, float(np.abs(torque - frozen).max()) / PERIOD)
+            if not schedule.in_transition:
+                return Way((tick + 1) * PERIOD - start, added)
+        tick += 1
+    return Way(np.inf, added)
+
+
+def shortest(controller: Controller, case: Case, budget: float, about: float) -> float:
+    """Shortest duration [s] of a linear ramp that adds at most `budget`, by bisection.
+
+    Args:
+        about: [s] a duration to look around.
+    """
+    low, high = 0.0, about
+    while follow(controller, case, high, 0.0).added > budget * (1.0 + 1e-6):
+        low, high = high, 1.5 * high
+        if high > _LONGEST:
+            return np.inf
+    low = max(low, 0.25 * high)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if follow(controller, case, middle, 0.0).added > budget * (1.0 + 1e-6):
+            low = middle
+        else:
+            high = middle
+    return np.ceil(high / PERIOD - 1e-9) * PERIOD
+
+
+def whole_change(controller: Controller, case: Case) -> float:
+    """[Nm] by which the answers of the two orders differ at the start of the ramp."""
+    step = _begin(controller, case)
+    for tick in range(round(case.lead / PERIOD) + 1):
+        step(tick * PERIOD)
+    problem, k = controller.problem(), len(controller.robot.task_names)
+    judge = make_formulation(controller.formulation.name, controller.settings.optimization)
+    answers = [
+        judge.solve(replace(problem, priorities=Priorities.of(strict_matrix(order, k)))).torque
+        for order in (case.begin, case.goal)
+    ]
+    return float(np.abs(answers[1] - answers[0]).max())
+
+
+def _begin(controller: Controller, case: Case) -> Callable[[float], Array]:
+    """Put the controller at the start of a case; a function that makes one step."""
+    names, model = controller.robot.task_names, controller.model
+    controller.reset()
+    controller.observe(RobotState(0.0, case.q, np.zeros(model.nv)))
+    for reference in case.references:
+        controller.add_reference(reference)
+    matrix = PriorityMatrix(names, strict_matrix(case.begin, len(names)))
+    controller.add_transition(Transition(matrix, 0.0, 0.0), 0.0)
+    if not case.scene:
+        still = np.zeros(model.nv)
+        return lambda time: controller.step(RobotState(time, case.q, still)).torque
+    simulator = Simulator(case.scene, joint_names=model.joint_names)
+    simulator.reset(case.q)
+
+    def step(_: float) -> Array:
+        torque = controller.step(simulator.state()).torque
+        simulator.step(torque)
+        return torque
+
+    return step
