@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser(list(studies)).parse_args(arguments)
     folder = options.output or ROOT / ("results/study" if options.quick else "docs/study")
     try:
-        for name in options.names or list(studies):
+        for name in [] if options.document else options.names or list(studies):
             study = studies[name]
             formulations = tuple(options.formulation) or study.FORMULATIONS
             print(f"study {name}: {', '.join(formulations)}", flush=True)
@@ -54,6 +54,9 @@ def _parser(names: Sequence[str]) -> argparse.ArgumentParser:
         "names", nargs="*", choices=[[], *names], metavar="name", help=", ".join(names)
     )
     parser.add_argument("--quick", action="store_true", help="very small, to see that it works")
+    parser.add_argument(
+        "--document", action="store_true", help="run nothing, write docs/study.md anew"
+    )
     parser.add_argument(
         "--formulation",
         action="append",
