@@ -23,7 +23,7 @@ from ghc_sim_bridge.simulator import Simulator
 
 NAME = "aggressive_loop"
 TITLE = "KUKA, five conflicting tasks under aggressive changes, default rate limit"
-FORMULATIONS = ("balanced", "ghc", "hqp")
+FORMULATIONS = ("cascade", "balanced", "ghc", "hqp")
 _PERIOD = 300  # [ms] between new priorities
 _DURATIONS = (0.0, 0.005, 0.05, 0.1, 0.3)  # [s] of the transitions
 _CENTER = np.array([0.0, 0.0, 0.3])  # [m] of the shell that position targets come from

@@ -22,7 +22,7 @@ from ghc_sim_bridge.simulator import Simulator
 
 NAME = "conflicts"
 TITLE = "Two conflicting targets: do arms come to rest?"
-FORMULATIONS = ("balanced",)
+FORMULATIONS = ("cascade", "balanced")
 _SEED = 0
 _PAIRS = 20
 _WINDOW = (10.0, 14.0)  # [s]

@@ -14,7 +14,7 @@ from ghc_sim_bridge.markdown import table as markdown_table
 
 NAME = "continuity"
 TITLE = "Continuity: sweeps of state, target and bounds"
-FORMULATIONS = ("balanced", "ghc", "hqp")
+FORMULATIONS = ("cascade", "balanced", "ghc", "hqp")
 _POINTS, _QUICK = 600, 12
 
 

@@ -21,7 +21,7 @@ from ghc_sim_bridge.markdown import table as markdown_table
 
 NAME = "duplicates"
 TITLE = "Duplicated tasks and absurd references"
-FORMULATIONS = ("balanced", "ghc", "hqp", "weighted")
+FORMULATIONS = ("cascade", "balanced", "ghc", "hqp", "weighted")
 _SEED = 2
 _DAMPING = 1e-8  # [-] w: so small that it hides nothing
 _SIZES = (1e2, 1e4, 1e6, 1e9, 1e12)  # [m]

@@ -18,7 +18,7 @@ from ghc_sim_bridge.simulator import Simulator
 
 NAME = "force_cost"
 TITLE = "Force cost against tasks, iCub standing still"
-FORMULATIONS = ("balanced", "ghc", "hqp", "weighted")
+FORMULATIONS = ("cascade", "balanced", "ghc", "hqp", "weighted")
 _HIERARCHIES = (
     "",
     "posture > center_of_mass",

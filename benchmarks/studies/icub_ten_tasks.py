@@ -15,7 +15,7 @@ from ghc_sim_bridge.markdown import table as markdown_table
 
 NAME = "icub_ten_tasks"
 TITLE = "iCub standing, ten tasks in random strict order"
-FORMULATIONS = ("balanced", "ghc", "hqp")
+FORMULATIONS = ("cascade", "balanced", "ghc", "hqp")
 _STATES, _QUICK = 200, 2
 
 

@@ -18,7 +18,7 @@ from ghc_sim_bridge.markdown import table as markdown_table
 
 NAME = "ramp_shares"
 TITLE = "Ramps of 100 equal steps, state held"
-FORMULATIONS = ("balanced", "ghc")
+FORMULATIONS = ("cascade", "balanced", "ghc")
 _SEED = 1
 _STATES = {"kuka_lwr": 24, "icub": 8}
 _QUICK = {"kuka_lwr": 1}

@@ -19,7 +19,7 @@ from ghc_sim_bridge.markdown import table as markdown_table
 
 NAME = "ramps"
 TITLE = "iCub in random postures, priority changes in 0.3 s"
-FORMULATIONS = ("balanced", "ghc")
+FORMULATIONS = ("cascade", "balanced", "ghc")
 _SEED = 0
 _RAMPS, _QUICK = 40, 1
 _STEPS = 303  # of 1 ms: the ramp and two more

@@ -16,7 +16,7 @@ from ghc_sim_bridge.markdown import table as markdown_table
 
 NAME = "random_bounded"
 TITLE = "Random problems with active bounds"
-FORMULATIONS = ("balanced", "ghc", "hqp", "weighted")
+FORMULATIONS = ("cascade", "balanced", "ghc", "hqp", "weighted")
 _PROBLEMS, _QUICK = 200, 6
 _FELT = 1e-6  # [-] of |b|: bounds cost a level more than this
 
