@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.budget_ramps import Case, follow, shortest, whole_change
+from benchmarks.budget_ramps import PERIOD, Case, follow, shortest, whole_change
 from benchmarks.icub_states import SCENE, icub_controller, ten_task_states
 from benchmarks.models import STUDY_ROBOTS
 from benchmarks.random_tasks import Reach, random_references
@@ -83,7 +83,7 @@ def _cases(
             "insertion": (without, order),
             "removal": (order, without),
         }[kind]
-        yield Case(q, references, begin, goal, scene, 0.2 if moving else 0.0)
+        yield Case(q, references, begin, goal, scene, 0.2 if moving else PERIOD)
 
 
 def _measure(

@@ -34,13 +34,14 @@ W = 1e-2  # [-] damping of the random problems
 def test_a_study_runs_in_small_and_shows_what_it_measured(name: str, tmp_path: Path) -> None:
     study = STUDIES[name]
     assert set(study.FORMULATIONS) <= set(FORMULATIONS)
-    result = store(tmp_path, name, study.run(True, ("balanced",)))
+    formulation = study.FORMULATIONS[0]
+    result = store(tmp_path, name, study.run(True, (formulation,)))
     assert set(result) == {"facts", "formulations"}
-    assert set(result["formulations"]) == {"balanced"}
+    assert set(result["formulations"]) == {formulation}
     table = study.table(result)
     sentence, _, rows = table.partition("\n\n")
     assert sentence.endswith(".")
-    assert "balanced" in rows
+    assert formulation in rows
     widths = {line.count("|") for line in rows.partition("\n\n")[0].splitlines()}
     assert len(widths) == 1  # every row has the cells of the head
     write_document(tmp_path, STUDIES)
