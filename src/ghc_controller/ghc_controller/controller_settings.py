@@ -15,7 +15,7 @@ from ghc_controller.constraints import (
     TorqueRateLimit,
 )
 from ghc_controller.errors import InvalidValue
-from ghc_controller.formulations import FormulationSettings
+from ghc_controller.formulations import DEFAULT_FORMULATION, FormulationSettings
 from ghc_controller.robot_config import RobotConfig
 
 
@@ -27,7 +27,7 @@ class ControllerSettings:
         InvalidValue: a number outside its range.
     """
 
-    formulation: str = "balanced"
+    formulation: str = DEFAULT_FORMULATION
     solver: str = "daqp"
     control_dt: float = 1e-3  # [s]
     hierarchy: str = ""  # at the start; "" = of the robot's file

@@ -6,7 +6,12 @@ from dataclasses import dataclass
 
 from ghc_controller.constraints import TorqueCenter
 from ghc_controller.controller_settings import ControllerSettings
-from ghc_controller.formulations import FormulationSettings, TorqueRegularization
+from ghc_controller.formulations import (
+    DEFAULT_FORMULATION,
+    FORMULATIONS,
+    FormulationSettings,
+    TorqueRegularization,
+)
 from ghc_controller.hierarchy import ProjectorSettings
 from ghc_controller.node_parameters import (
     EXECUTOR,
@@ -24,11 +29,17 @@ class ControllerParameters:
     """Parameters of controller."""
 
     robot: str = parameter("", "name of a robot, or path of its robot.yaml", given)
-    formulation: str = parameter("balanced", "ghc, ghc_full, balanced, hqp or weighted")
+    formulation: str = parameter(DEFAULT_FORMULATION, ", ".join(FORMULATIONS))
     qp_solver: str = parameter("daqp", "daqp or proxqp")
     control_dt: float = parameter(0.001, "[s] control period", positive)
     hierarchy: str = parameter("", "hierarchy at the start; empty = of the robot's file")
     regularization: float = parameter(1e-2, "[-] weight on nu'_i, or damping per level", positive)
+    velocity_damping: float = parameter(
+        20.0, "[1/s] kd: regularization pulls accelerations to -kd v; 0 = to zero", not_negative
+    )
+    null_damping: float = parameter(
+        3e-5, "[-] e: null spaces of cascade open over singular values of this size", positive
+    )
     torque_regularization: str = parameter(
         "none",
         "what a weight on torque pulls to (ghc, ghc_full): none, bias or zero",
@@ -94,6 +105,8 @@ class ControllerParameters:
             velocity_limits=self.velocity_limits,
             optimization=FormulationSettings(
                 regularization=self.regularization,
+                velocity_damping=self.velocity_damping,
+                null_damping=self.null_damping,
                 torque_regularization=TorqueRegularization(self.torque_regularization),
                 projector=ProjectorSettings(layer_damping=self.layer_damping),
             ),

@@ -15,7 +15,7 @@ from typing import Any
 
 from ghc_controller.config import Fields, read_yaml
 from ghc_controller.errors import UnknownName
-from ghc_controller.formulations import FORMULATIONS
+from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
 from ghc_sim_bridge.generator_script import (
     GENERATORS,
     Event,
@@ -151,7 +151,7 @@ def _read_scenario(
         variants=variants,
         robot=fields.text("robot"),
         scene=fields.text("scene"),
-        formulation=fields.text("formulation", "balanced"),
+        formulation=fields.text("formulation", DEFAULT_FORMULATION),
         control_dt=fields.number("control_dt", 1e-3, minimum=1e-6),
         transition=fields.number("transition", 2.0, minimum=0.0),
         torque_rate_limit=fields.number("torque_rate_limit", minimum=0.0),

@@ -23,6 +23,7 @@ from ghc_controller.qp import QpSolver, make_solver
 FORMULATIONS: dict[str, type[Formulation]] = {
     kind.name: kind for kind in (Cascade, CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted)
 }
+DEFAULT_FORMULATION = Cascade.name
 
 
 def make_formulation(
@@ -39,6 +40,7 @@ def make_formulation(
 
 
 __all__ = [
+    "DEFAULT_FORMULATION",
     "FORMULATIONS",
     "AccelerationRows",
     "ContactRows",

@@ -43,10 +43,14 @@ class FormulationSettings:
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
-        for name in ("regularization", "metric_ratio", "weight_ratio"):
+        for name in ("regularization", "null_damping", "metric_ratio", "weight_ratio"):
             value = getattr(self, name)
             if not value > 0.0:
                 raise InvalidValue(f"{name} = {value} given, a positive number expected")
+        if not (np.isfinite(self.velocity_damping) and self.velocity_damping >= 0.0):
+            raise InvalidValue(
+                f"velocity_damping = {self.velocity_damping} 1/s given, at least 0 expected"
+            )
 
 
 NO_FORCE = np.zeros(0)
