@@ -136,3 +136,50 @@ def test_the_rate_gives_way_only_after_soft_rows(name: str) -> None:
     solution = _solve(name, replace(problem, torque_limit=wide))
     assert not solution.rate_gave_way
     assert np.abs(solution.torque).max() <= 3.1 + 1e-6
+
+
+@pytest.mark.parametrize("name", FORMULATIONS)
+def test_bounds_that_cross_are_met_half_way(name: str) -> None:
+    """A row from 4 up to -2 rad/s^2 gives way by 3 on both sides."""
+    problem = _one_joint_too_weak()
+    box = Bounds(np.array([4.0, -5.0]), np.array([-2.0, 5.0]))
+    solution = _solve(name, replace(problem, acceleration=box))
+    assert solution.status is SolutionStatus.RELAXED
+    assert abs(solution.acceleration[0] - 1.0) < 1e-6
+    assert solution.acceleration_slack is not None
+    assert np.abs(solution.acceleration_slack - [3.0, 0.0]).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", FORMULATIONS)
+def test_force_bounds_give_way_last_and_least(name: str) -> None:
+    """A contact asked for at least 60 N and at most 40 N gets 50 N; no other row gives way.
+
+    Four point contacts of a floating base, seed 2. Balance, cones and torque box are kept.
+    """
+    problem = random_problem(np.random.default_rng(2), 18, [3, 18], strict_alpha(2), contacts=4)
+    contacts = problem.contacts
+    assert contacts is not None
+    normal = np.zeros((2, 12))
+    normal[:, 2] = 1.0
+    bounds = contacts._replace(
+        force_matrix=np.vstack([normal, contacts.force_matrix]),
+        force_lower=np.concatenate([[60.0, -np.inf], contacts.force_lower]),
+        force_upper=np.concatenate([[np.inf, 40.0], contacts.force_upper]),
+        names=("least", "most", *contacts.names),
+        bounds=2,
+    )
+    solution = _solve(name, replace(problem, contacts=bounds))
+    assert solution.status is SolutionStatus.RELAXED
+    assert solution.force_slack is not None
+    assert np.abs(solution.force_slack[:2] - 10.0).max() < 1e-5
+    assert solution.force_slack[2:].max() < 1e-6
+    assert solution.acceleration_slack is None
+    assert np.abs(_imbalance(problem, solution)).max() < 1e-6
+
+
+def _imbalance(problem: ControlProblem, solution: Solution) -> Array:
+    """(n,) M x + h - [0; tau] - J_f^T f."""
+    assert problem.contacts is not None
+    torque = np.concatenate([np.zeros(problem.unactuated), solution.torque])
+    given = torque + problem.contacts.force_jacobian.T @ solution.force
+    return problem.mass_matrix @ solution.acceleration + problem.bias - given

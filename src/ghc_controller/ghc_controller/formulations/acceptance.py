@@ -6,6 +6,7 @@ import numpy as np
 
 from ghc_controller.formulations.box_kernels import affine, is_outside
 from ghc_controller.formulations.formulation import Solution, SolutionStatus
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization, build_qp
 from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.formulations.violation import largest_violation
@@ -70,24 +71,32 @@ def judged(
     violation = largest_violation(bounded.source, x, force, tau, torque)
     if not violation <= VIOLATION_TOLERANCE:
         return None
-    source, rows_slack, force_slack = given.source, None, None
-    contacts, rows = source.contacts, source.rows
-    if contacts is not None:
-        push = contacts.force_matrix @ force
-        force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
-    if rows is not None:
-        rows_slack = _excess(rows.matrix @ x, rows.lower, rows.upper)
-    return Solution(
+    answer = Solution(
         x,
         force,
         tau,
         SolutionStatus.SOLVED,
         True,
         primal_residual=violation,
-        acceleration_slack=_excess(x, source.acceleration.lower, source.acceleration.upper),
+        violation=violation,
+    )
+    return answer if bounded is given else _with_slacks(given.source, answer)
+
+
+def _with_slacks(source: ControlProblem, answer: Solution) -> Solution:
+    """The answer, with how far it lies outside the soft rows of `source`."""
+    x, box = answer.acceleration, source.acceleration
+    contacts, rows = source.contacts, source.rows
+    rows_slack, force_slack = None, None
+    if contacts is not None:
+        push = contacts.force_matrix @ answer.force
+        force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
+    if rows is not None:
+        rows_slack = _excess(rows.matrix @ x, rows.lower, rows.upper)
+    return answer._replace(
+        acceleration_slack=_excess(x, box.lower, box.upper),
         rows_slack=rows_slack,
         force_slack=force_slack,
-        violation=violation,
     )
 
 

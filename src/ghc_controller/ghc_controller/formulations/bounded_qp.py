@@ -105,7 +105,9 @@ def solve_qp(
 
 def _stages(source: ControlProblem) -> list[tuple[Bounds, bool]]:
     """Torque box, and whether normal force bounds give way too, in the order of giving way."""
-    stages = [(source.torque, False), (source.torque_limit, False)]
+    stages = [(source.torque, False)]
+    if source.torque_limit is not source.torque:
+        stages.append((source.torque_limit, False))
     if source.contacts is not None and source.contacts.bounds:
         stages.append((source.torque_limit, True))
     return stages
