@@ -65,7 +65,7 @@ def test_a_reference_out_of_this_world(name: str, distance: float) -> None:
     assert np.all(np.abs(result.torque) <= controller.model.torque_limit)
     assert controller.formulation.solver.pivots_left >= 1000
     if result.status is StepStatus.FALLBACK:
-        assert result.solution.reason
+        assert controller.report().fallback_reason == f"no answer: {result.solution.reason}"
 
 
 def test_counts_of_the_solver_are_those_of_the_controller() -> None:

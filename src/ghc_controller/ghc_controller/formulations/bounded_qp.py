@@ -99,7 +99,7 @@ def solve_qp(
             continue
         answer = _within(reduced, relaxation, parametrization, solver, torque, cost)
         if answer is not None:
-            return answer._replace(rate_gave_way=torque is not source.torque)
+            return answer
     return no_answer(reduced, reason)
 
 
@@ -138,7 +138,8 @@ def _within(
     )
     if whole <= VIOLATION_TOLERANCE and not reason:  # nothing gave way that counts
         return answer._replace(violation=whole)
-    return answer._replace(status=SolutionStatus.RELAXED, reason=reason)
+    gave_way = torque is not reduced.source.torque
+    return answer._replace(status=SolutionStatus.RELAXED, rate_gave_way=gave_way, reason=reason)
 
 
 def _cost(
