@@ -113,7 +113,7 @@ def _task_report(
 
 
 def _length(vector: Array) -> float:
-    return math.sqrt(vector @ vector)
+    return math.hypot(*vector)
 
 
 def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
