@@ -11,6 +11,7 @@ import numpy as np
 from ghc_controller.constraints import Box, Boxes, Slack
 from ghc_controller.contacts import ContactSet, NormalBounds
 from ghc_controller.formulations import AccelerationRows, ContactRows, Solution
+from ghc_controller.qp import QpStatus
 from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.report import (
     ContactReport,
@@ -54,7 +55,7 @@ def make_report(
     slack = boxes.acceleration.slack + boxes.torque.slack
     reason = ""
     if result.status is StepStatus.FALLBACK:
-        reason = "no torque meets the hard rows: " + ", ".join(_conflicting(limits))
+        reason = _fallback_reason(limits, solution)
     else:
         active = boxes.acceleration.active(solution.acceleration)
         active += boxes.torque.active(solution.torque)
@@ -112,7 +113,7 @@ def _task_report(
 
 
 def _length(vector: Array) -> float:
-    return math.sqrt(vector @ vector)
+    return math.hypot(*vector)
 
 
 def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
@@ -162,6 +163,13 @@ def _rows_slack(limits: Limits, solution: Solution) -> tuple[Slack, ...]:
             places = np.flatnonzero(amounts > 0.0)
             slack += [Slack(rows.names[k], float(amounts[k])) for k in places]
     return tuple(slack)
+
+
+def _fallback_reason(limits: Limits, solution: Solution) -> str:
+    """Why there is no answer: rows in conflict by name, or what ended the QP."""
+    if solution.reason and QpStatus.INFEASIBLE.value not in solution.reason:
+        return f"no answer: {solution.reason}"
+    return "no torque meets the hard rows: " + ", ".join(_conflicting(limits))
 
 
 def _conflicting(limits: Limits) -> list[str]:

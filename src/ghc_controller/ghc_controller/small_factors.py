@@ -15,8 +15,8 @@ from ghc_controller.types import Array
 REORDERED_SUMS = {"reassoc", "contract", "nsz"}
 
 # A matrix singular to rounding gets a factor instead of an exception: a pivot that is no more than
-# the rounding of its own diagonal entry is raised to that, and its column, rounding too, is
-# dropped. Otherwise the factor and its inverse grow from pivot to pivot until they overflow.
+# the rounding of its own diagonal entry is raised to that, and its column is dropped. Else the
+# factor and its inverse grow from one such pivot to the next until they overflow.
 _SMALLEST_PIVOT = 1e-15
 _ROUNDING = 1e-14  # [-] of the diagonal entry
 

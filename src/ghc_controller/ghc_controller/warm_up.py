@@ -9,6 +9,7 @@ import numpy as np
 
 from ghc_controller.constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
 from ghc_controller.contacts import ForceBoundsPlan, PlanStatus
+from ghc_controller.formulations import ControlProblem
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.task import Task
@@ -43,8 +44,19 @@ def warm_up(controller: Controller) -> None:
     bias = problem.bias[problem.unactuated :]
     tight = Bounds(bias - 1e-3, bias + 1e-3)
     controller.formulation.solve(replace(problem, torque=tight))
+    _relax(controller, replace(problem, torque=tight, torque_limit=tight))
     controller.sigma_min_of(controller.priorities.alpha)
     controller.reset()
+
+
+def _relax(controller: Controller, problem: ControlProblem) -> None:
+    """Solve a problem whose bounds exclude each other: the second solver and what gives way."""
+    counts = controller.formulation.solver.counts
+    before = dict(counts)
+    n = problem.bias.shape[0]
+    ahead = Bounds(np.full(n, 1e3), np.full(n, 2e3))
+    controller.formulation.solve(replace(problem, acceleration=ahead))
+    counts.update(before)
 
 
 def _plan(contacts: tuple[str, ...], on: bool) -> ForceBoundsPlan:

@@ -6,13 +6,12 @@ import numpy as np
 
 from ghc_controller.formulations.box_kernels import affine, is_outside
 from ghc_controller.formulations.formulation import Solution, SolutionStatus
-from ghc_controller.formulations.qp_rows import Parametrization, build_qp
+from ghc_controller.formulations.problem import ControlProblem
+from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.formulations.violation import largest_violation
 from ghc_controller.qp import VIOLATION_TOLERANCE, QpResult, Residuals
 from ghc_controller.types import Array, Bounds
-
-_POLISHES = 2  # corrections of an optimal answer that still violates a row
 
 
 def accept(
@@ -26,40 +25,12 @@ def accept(
     """Solution of a QP answer that is optimal and violates no row of `bounded`; else None."""
     if not (result.found and check.optimal):
         return None
-    s = result.x
-    at = parametrization._replace(
-        acceleration=parametrization.acceleration + parametrization.acceleration_factor @ s,
-        force=parametrization.force + parametrization.force_factor @ s,
-    )
-    answer = judged(given, bounded, torque, at.acceleration, at.force)
-    for _ in range(_POLISHES):
-        if answer is not None:
-            break
-        at = _polished(bounded, at, torque, result)
-        answer = judged(given, bounded, torque, at.acceleration, at.force)
+    y = parametrization.acceleration + parametrization.acceleration_factor @ result.x
+    force = parametrization.force + parametrization.force_factor @ result.x
+    answer = judged(given, bounded, torque, y, force)
     if answer is None:
         return None
     return answer._replace(dual_residual=check.dual, iterations=result.iterations)
-
-
-def _polished(
-    bounded: ReducedProblem, at: Parametrization, torque: Bounds, result: QpResult
-) -> Parametrization:
-    """Center `at` moved by the least s after which the active rows hold.
-
-    Their distances are computed anew from the accelerations and forces: where the variables s are
-    of widely different scale, those of the QP carry its rounding.
-    """
-    p = at.acceleration_factor.shape[1]
-    problem = build_qp(bounded, at, np.eye(p), np.zeros(p), torque).problem
-    active = result.z != 0.0
-    rows = np.vstack([problem.A, problem.C[active]])
-    distance = np.where(result.z > 0.0, problem.u, problem.l)[active]
-    s = np.linalg.lstsq(rows, np.concatenate([problem.b, distance]), rcond=None)[0]
-    return at._replace(
-        acceleration=at.acceleration + at.acceleration_factor @ s,
-        force=at.force + at.force_factor @ s,
-    )
 
 
 def judged(
@@ -70,24 +41,32 @@ def judged(
     violation = largest_violation(bounded.source, x, force, tau, torque)
     if not violation <= VIOLATION_TOLERANCE:
         return None
-    source, rows_slack, force_slack = given.source, None, None
-    contacts, rows = source.contacts, source.rows
-    if contacts is not None:
-        push = contacts.force_matrix @ force
-        force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
-    if rows is not None:
-        rows_slack = _excess(rows.matrix @ x, rows.lower, rows.upper)
-    return Solution(
+    answer = Solution(
         x,
         force,
         tau,
         SolutionStatus.SOLVED,
         True,
         primal_residual=violation,
-        acceleration_slack=_excess(x, source.acceleration.lower, source.acceleration.upper),
+        violation=violation,
+    )
+    return answer if bounded is given else _with_slacks(given.source, answer)
+
+
+def _with_slacks(source: ControlProblem, answer: Solution) -> Solution:
+    """The answer, with how far it lies outside the soft rows of `source`."""
+    x, box = answer.acceleration, source.acceleration
+    contacts, rows = source.contacts, source.rows
+    rows_slack, force_slack = None, None
+    if contacts is not None:
+        push = contacts.force_matrix @ answer.force
+        force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
+    if rows is not None:
+        rows_slack = _excess(rows.matrix @ x, rows.lower, rows.upper)
+    return answer._replace(
+        acceleration_slack=_excess(x, box.lower, box.upper),
         rows_slack=rows_slack,
         force_slack=force_slack,
-        violation=violation,
     )
 
 

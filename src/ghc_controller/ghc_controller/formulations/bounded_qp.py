@@ -99,13 +99,15 @@ def solve_qp(
             continue
         answer = _within(reduced, relaxation, parametrization, solver, torque, cost)
         if answer is not None:
-            return answer._replace(rate_gave_way=torque is not source.torque)
+            return answer
     return no_answer(reduced, reason)
 
 
 def _stages(source: ControlProblem) -> list[tuple[Bounds, bool]]:
     """Torque box, and whether normal force bounds give way too, in the order of giving way."""
-    stages = [(source.torque, False), (source.torque_limit, False)]
+    stages = [(source.torque, False)]
+    if source.torque_limit is not source.torque:
+        stages.append((source.torque_limit, False))
     if source.contacts is not None and source.contacts.bounds:
         stages.append((source.torque_limit, True))
     return stages
@@ -136,7 +138,8 @@ def _within(
     )
     if whole <= VIOLATION_TOLERANCE and not reason:  # nothing gave way that counts
         return answer._replace(violation=whole)
-    return answer._replace(status=SolutionStatus.RELAXED, reason=reason)
+    gave_way = torque is not reduced.source.torque
+    return answer._replace(status=SolutionStatus.RELAXED, rate_gave_way=gave_way, reason=reason)
 
 
 def _cost(

@@ -135,9 +135,13 @@ def _balance(reduced: ReducedProblem, parametrization: Parametrization) -> tuple
 def soften(qp: SoftQp, first: int, last: int) -> QpProblem:
     """The same QP with a slack on rows first .. last, and without the rows before them.
 
-    A slack has the physical units of its row ([rad/s^2] or [N]) and costs 1/2 slack^2.
+    A slack has the physical units of its row ([rad/s^2] or [N]) and costs 1/2 slack^2. Bounds of a
+    soft row that exclude each other are both met half-way.
     """
     problem = qp.problem
+    lower, upper = problem.l[first:].copy(), problem.u[first:].copy()
+    crossed = np.flatnonzero(lower[: last - first] > upper[: last - first])
+    lower[crossed] = upper[crossed] = 0.5 * (lower[crossed] + upper[crossed])
     p, soft = problem.g.shape[0], last - first
     hessian = np.eye(p + soft)
     hessian[:p, :p] = problem.H
@@ -149,6 +153,6 @@ def soften(qp: SoftQp, first: int, last: int) -> QpProblem:
         np.hstack([problem.A, np.zeros((problem.b.shape[0], soft))]),
         problem.b,
         np.hstack([problem.C[first:], slack]),
-        problem.l[first:],
-        problem.u[first:],
+        lower,
+        upper,
     )

@@ -19,8 +19,9 @@ from ghc_controller.types import Array, Bounds
 
 _MARGIN = 1e-7  # [rad/s^2], [N] by which bounds are wider than the least slack asks for
 _SPAN = 1e-12  # [-] of the largest singular value: a direction below it cannot be used
-_PULL = 1e-3  # [-] weight of a step in (y, f) against the slack: root of what breaks ties
-_STEPS = 6  # at most, of which two are needed where soft rows are not nearly dependent
+# [-] root of the weight of a step in (y, f) against the slack, which breaks ties: the first finds
+# the active rows in few pivots, the last leaves no slack to the ties.
+_PULLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-5, 1e-5)
 _CONVERGED = 1e-8  # [rad/s^2], [N] change of the slack that ends them
 
 
@@ -70,11 +71,11 @@ def relax(
 
 
 def _spanned(parametrization: Parametrization) -> Parametrization:
-    """The same accelerations and forces by an orthonormal basis, over _PULL."""
+    """The same accelerations and forces by an orthonormal basis."""
     d = parametrization.acceleration.shape[0]
     factor = np.vstack([parametrization.acceleration_factor, parametrization.force_factor])
     left, sigma, _ = np.linalg.svd(factor, full_matrices=False)
-    basis = left[:, sigma > _SPAN * max(float(sigma[0]), 1e-300)] / _PULL
+    basis = left[:, sigma > _SPAN * max(float(sigma[0]), 1e-300)]
     return parametrization._replace(
         acceleration_factor=np.ascontiguousarray(basis[:d]),
         force_factor=np.ascontiguousarray(basis[d:]),
@@ -90,13 +91,17 @@ def _least_slack(
 ) -> tuple[Array, Array] | None:
     """Point (y, f) of the least sum of squared slacks; None where there is none.
 
-    A proximal-point iteration: min 1/2 |slack|^2 + _PULL^2/2 |(y, f) - last|^2, again from the
+    A proximal-point iteration: min 1/2 |slack|^2 + pull^2/2 |(y, f) - last|^2, again from the
     answer, so that what breaks ties costs no slack in the end.
     """
     size = start.acceleration_factor.shape[1]
     at, last = start, np.zeros(1)  # no slack needed at all: one step is enough
     point: tuple[Array, Array] | None = None
-    for _ in range(_STEPS):
+    for pull in _PULLS:
+        at = at._replace(
+            acceleration_factor=start.acceleration_factor / pull,
+            force_factor=start.force_factor / pull,
+        )
         qp = build_qp(reduced, at, np.eye(size), np.zeros(size), torque)
         first, end = (qp.hard_start, qp.bounds_end) if forces else (0, qp.hard_start)
         result, check = solver.solve_checked(soften(qp, first, end), qp.row_norm[first:])

@@ -11,6 +11,8 @@ from ghc_controller.formulations.box_kernels import affine
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.types import Array, Bounds
 
+_NONE = np.zeros(0)
+
 
 def largest_violation(
     problem: ControlProblem, acceleration: Array, force: Array, torque: Array, box: Bounds
@@ -23,15 +25,17 @@ def largest_violation(
     Args:
         box: (a,) the torque box in force, that of the problem unless the rate gave way.
     """
-    generalized = np.concatenate([np.zeros(problem.unactuated), torque])
     contacts, rows = problem.contacts, problem.rows
-    if contacts is not None:
-        generalized += contacts.force_jacobian.T @ force
-    wanted = affine(problem.mass_matrix, acceleration, problem.bias)
-    worst = max(
-        _outside(acceleration, problem.acceleration.lower, problem.acceleration.upper),
-        _outside(torque, box.lower, box.upper),
-        _outside(wanted, generalized, generalized),
+    worst = _of_boxes(
+        problem.mass_matrix,
+        problem.bias,
+        acceleration,
+        torque,
+        _NONE if contacts is None else contacts.force_jacobian.T @ force,
+        problem.acceleration.lower,
+        problem.acceleration.upper,
+        box.lower,
+        box.upper,
     )
     if contacts is not None:
         push = contacts.force_matrix @ force
@@ -39,6 +43,31 @@ def largest_violation(
     if rows is not None:
         worst = max(worst, _outside(rows.matrix @ acceleration, rows.lower, rows.upper))
     return worst
+
+
+@njit(cache=True)
+def _of_boxes(
+    mass_matrix: Array,
+    bias: Array,
+    x: Array,
+    tau: Array,
+    push: Array,
+    lower: Array,
+    upper: Array,
+    tau_lower: Array,
+    tau_upper: Array,
+) -> float:  # pragma: no cover
+    """Largest violation of both boxes and of M x + h = [0; tau] + push, push (n,) or empty."""
+    needed = affine(mass_matrix, x, bias)
+    unactuated = needed.shape[0] - tau.shape[0]
+    for r in range(needed.shape[0]):
+        if r >= unactuated:
+            needed[r] -= tau[r - unactuated]
+        if push.shape[0]:
+            needed[r] -= push[r]
+    nothing = np.zeros(needed.shape[0])
+    worst = max(_outside(x, lower, upper), _outside(tau, tau_lower, tau_upper))
+    return max(worst, _outside(needed, nothing, nothing))
 
 
 @njit(cache=True)

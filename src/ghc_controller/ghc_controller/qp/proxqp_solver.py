@@ -16,7 +16,7 @@ _STATUS = {
     proxqp.QPSolverOutput.PROXQP_PRIMAL_INFEASIBLE: QpStatus.INFEASIBLE,
     proxqp.QPSolverOutput.PROXQP_DUAL_INFEASIBLE: QpStatus.FAILED,
 }
-_INNER = 10  # inner iterations per outer one; more of them rescue no problem, they only take time
+_INNER = 10  # inner iterations per outer one: more rescue no problem, they only take time
 _DUALITY_GAP = (
     1e-7  # of the cost; without it multipliers of rows that are not active are let through
 )

@@ -49,6 +49,11 @@ class QpSolver(ABC):
         """Begin a control step: its QPs share `max_step_pivots`; before it each QP is capped."""
         self._budget = self.settings.max_step_pivots
 
+    @property
+    def pivots_left(self) -> int:
+        """What is left of the control step; before the first step that of one QP."""
+        return self.pivots_per_qp if self._budget is None else self._budget
+
     def solve(self, problem: QpProblem) -> QpResult:
         """Solve; never raises for a problem without solution, `status` says so."""
         return self.solve_checked(problem)[0]
@@ -84,7 +89,7 @@ class QpSolver(ABC):
                 return QpResult.without_answer(problem, QpStatus.ITERATION_LIMIT, reason)
         result = solver.run(problem, limit)
         if self._budget is not None:
-            self._budget -= max(result.iterations, 1)
+            self._budget -= max(result.iterations, 1)  # each QP costs
         return result
 
     @abstractmethod
