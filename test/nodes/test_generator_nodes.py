@@ -43,7 +43,7 @@ from ghc_mpc_constraints.ros_conversions import (
     schedule_message,
 )
 
-DEADLINE = 30.0  # [s] wall, for anything that must happen
+DEADLINE = 90.0  # [s] wall, for anything that must happen
 STEP = 0.01  # [s]
 
 

@@ -43,7 +43,7 @@ def nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> NodeProcesses:
 def start(nodes: NodeProcesses, name: str, program: str) -> None:
     """Start a Python program as a node and wait for its first word."""
     nodes.start(name, "package", "executable", ["-c", program])
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while not nodes.log_of(name).read_bytes():
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -75,7 +75,7 @@ def test_a_node_that_ignores_sigint_is_killed_after_a_while(nodes: NodeProcesses
 
 def test_a_dead_node_is_reported_with_its_last_lines(nodes: NodeProcesses) -> None:
     start(nodes, "ill", "import sys\nprint('line 1\\nline 2', flush=True)\nsys.exit(3)\n")
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while nodes.exit_codes()["ill"] is None:
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -85,7 +85,7 @@ def test_a_dead_node_is_reported_with_its_last_lines(nodes: NodeProcesses) -> No
 
 def test_a_node_may_end_in_order_where_that_is_allowed(nodes: NodeProcesses) -> None:
     start(nodes, "viewer", "print('bye', flush=True)\n")
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while nodes.exit_codes()["viewer"] is None:
         assert time.monotonic() < deadline
         time.sleep(0.01)
