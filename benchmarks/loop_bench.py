@@ -24,6 +24,7 @@ from ghc_sim_bridge.ros_domain import DomainLock
 SCENE = "kuka_lwr"  # and the robot of that name
 FORMULATION = "balanced"
 CONTROL_DT = 1e-3  # [s]
+_BRIDGE = "sim_bridge"
 _SETTLING = 500  # [cycles] at the start: discovery, first calls
 _DEADLINE = 180.0  # [s] wall; the first start compiles the controller's kernels
 
@@ -99,15 +100,22 @@ def _cycle_times(folder: Path, case: LoopCase, duration: float) -> tuple[float, 
     # rclpy's own executor works long after each message, while the partner could go on.
     shared = case.executor == "events"
     placement = lockstep_placement(parameters, domain.id) if shared else {}
-    planner = loop_generators.published_schedule(domain.id, folder)
+    planner = (
+        loop_generators.published_schedule(domain.id, folder)
+        if case.generators
+        else nullcontext(_no_wait)
+    )
     try:
         host = TakenByHost()
         with (
-            planner if case.generators else nullcontext(),
+            planner as wait_until_received,
             NodeProcesses(folder, environment, placement) as nodes,
         ):
-            for name, values in parameters.items():
-                nodes.start(name, *EXECUTABLES[name], _arguments(values))
+            # The bridge comes last: it lets time run.
+            for name in sorted(parameters, key=lambda name: name == _BRIDGE):
+                if name == _BRIDGE:
+                    wait_until_received(nodes.check)
+                nodes.start(name, *EXECUTABLES[name], _arguments(parameters[name]))
             _wait_for(log, nodes)
             taken = host.share()
     finally:
@@ -125,7 +133,7 @@ def _parameters(folder: Path, case: LoopCase, stop_time: float) -> dict[str, dic
         "log_file": folder / "log.npz",
     }
     controller = {"robot": SCENE, "formulation": FORMULATION, "control_dt": CONTROL_DT}
-    nodes: dict[str, dict[str, Any]] = {"sim_bridge": bridge, "controller": controller}
+    nodes: dict[str, dict[str, Any]] = {_BRIDGE: bridge, "controller": controller}
     if case.generators:
         bridge["scene"] = loop_generators.SCENE
         controller["robot"] = loop_generators.write_robot(SCENE, folder)
@@ -134,6 +142,10 @@ def _parameters(folder: Path, case: LoopCase, stop_time: float) -> dict[str, dic
     for values in nodes.values():
         values["executor"] = case.executor
     return nodes
+
+
+def _no_wait(_check: Callable[[], None]) -> None:
+    pass
 
 
 def _arguments(parameters: dict[str, Any]) -> list[str]:

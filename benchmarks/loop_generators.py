@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,10 @@ import numpy as np
 import rclpy
 from ghc_msgs.msg import ContactSchedule as ContactScheduleMessage
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.node import Node
 
+from ghc_controller.errors import GhcError
 from ghc_controller.robots import find_robot
 from ghc_mpc_constraints.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.ros_conversions import SCHEDULE_QOS, schedule_message
@@ -25,6 +28,8 @@ NODES: dict[str, dict[str, Any]] = {  # generator -> its parameters
     "obstacle_bounds": {"sensor_period": 0.1},
 }
 WAIT_FOR = "[contact_force_bounds, obstacle_motion]"
+_DEADLINE = 180.0  # [s] wall; the first start compiles the generator's kernels
+_LOOK_EVERY = Duration(seconds=1)  # wall
 _CONTACT = "tool"
 _JUMP_EVERY = 0.5  # [s]
 _LAST_JUMP = 60.0  # [s]
@@ -53,8 +58,15 @@ def schedule() -> ContactSchedule:
 
 
 @contextmanager
-def published_schedule(domain: int, folder: Path) -> Iterator[None]:
-    """Keeps the schedule on its topic, for a generator that starts at any time."""
+def published_schedule(
+    domain: int, folder: Path
+) -> Iterator[Callable[[Callable[[], None]], None]]:
+    """Keeps the schedule on its topic, for a generator that starts at any time.
+
+    Yields a function that returns when the generator has received it. Time must not run before:
+    in lockstep a whole run may be over while the middleware still introduces the two. It calls
+    its argument now and then, to look after the nodes, and raises GhcError after a while.
+    """
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ["ROS_LOG_DIR"] = str(folder)
     context = Context()
@@ -65,7 +77,18 @@ def published_schedule(domain: int, folder: Path) -> Iterator[None]:
             ContactScheduleMessage, "constraints/contact_schedule", SCHEDULE_QOS
         )
         publisher.publish(schedule_message(schedule()))
-        yield
+
+        def wait_until_received(check: Callable[[], None]) -> None:
+            deadline = time.monotonic() + _DEADLINE
+            while not (
+                publisher.get_subscription_count() and publisher.wait_for_all_acked(_LOOK_EVERY)
+            ):
+                check()
+                if time.monotonic() > deadline:
+                    raise GhcError(f"no generator took the schedule within {_DEADLINE:g} s")
+                time.sleep(0.02)
+
+        yield wait_until_received
         node.destroy_node()
     finally:
         rclpy.shutdown(context=context)

@@ -19,7 +19,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     from benchmarks.soak_session import run_soak
     from ghc_controller.errors import GhcError
+    from ghc_controller.stop_signals import interrupt_on_stop_signals
 
+    interrupt_on_stop_signals()
     try:
         return 0 if run_soak(options, ROOT) else 1
     except GhcError as error:

@@ -80,13 +80,10 @@ def loop_table(loop: Sequence[Row]) -> str:
         *("cycle p50 [us]", "p99 [us]", "taken by host"),
         *("real time factor of the calmest run", "taken by host in it"),
     ]
-    keys: tuple[str, ...] = (
-        "steps_per_second",
-        "real_time_factor",
-        "cycle_p50_us",
-        "cycle_p99_us",
+    keys = (
+        *("steps_per_second", "real_time_factor", "cycle_p50_us", "cycle_p99_us"),
+        *("taken_by_host", "calmest_real_time_factor", "least_taken_by_host"),
     )
-    keys += ("taken_by_host", "calmest_real_time_factor", "least_taken_by_host")
     forms = ("{:.0f}", "{:.2f}", "{:.0f}", "{:.0f}", "{:.0%}", "{:.2f}", "{:.0%}")
     lines = []
     for row in loop:

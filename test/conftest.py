@@ -19,7 +19,7 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ.setdefault("MPLBACKEND", "Agg")
 
-STOP_PATIENCE = 10.0  # [s] from SIGINT to SIGKILL
+STOP_PATIENCE = 30.0  # [s] from SIGINT to SIGKILL
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -80,7 +80,7 @@ class RunningNode:
         assert self.exit_code is not None
         return self.exit_code
 
-    def wait_for_output(self, text: str, timeout: float = 20.0) -> None:
+    def wait_for_output(self, text: str, timeout: float = 60.0) -> None:
         """Wait until it printed a text [s]; fail the test when it does not come."""
         deadline = time.monotonic() + timeout
         while text not in self.output:

@@ -26,7 +26,7 @@ from ghc_controller.ros_conversions import (
 )
 
 ROBOT = "kuka_lwr"
-DEADLINE = 30.0  # [s] wall
+DEADLINE = 90.0  # [s] wall
 
 
 class GravityModel:

@@ -209,5 +209,24 @@ def test_bounds_in_force_of_the_controller() -> None:
     entry.acceleration[:] = [4.0, 5.0, 6.0]
     message.obstacles = [entry]
     data = serialize_message(message)
-    assert bounds_in_force(data) == {"left": (0.0, 5.0), "right": (1.0, 6.0)}
-    assert motion_in_force(data)["box"].tolist() == [[1, 2, 3], [0, 0, 0], [4, 5, 6]]
+    assert bounds_in_force([data], 0.0) == {"left": (0.0, 5.0), "right": (1.0, 6.0)}
+    assert motion_in_force(data, 0.0)["box"].tolist() == [[1, 2, 3], [0, 0, 0], [4, 5, 6]]
+    assert motion_in_force(data, 0.02)["box"][1].tolist() == pytest.approx([0.08, 0.1, 0.12])
+
+
+def _state(stamp: float, lower: float, upper: float) -> bytes:
+    message = ControllerState(
+        bounded_contacts=["foot"], contact_lower=[lower], contact_upper=[upper]
+    )
+    message.header.stamp = time_from_seconds(stamp)
+    return serialize_message(message)
+
+
+def test_bounds_in_force_that_move_are_continued_to_the_start_of_the_plan() -> None:
+    """20 ms after the newest state: as in the 10 ms before, and never below zero."""
+    states = [_state(2.99, 3.0, 41.0), _state(3.0, 1.0, 40.0)]
+    assert bounds_in_force(states, 3.02)["foot"] == pytest.approx((0.0, 38.0))
+    assert bounds_in_force(states, 3.0)["foot"] == (1.0, 40.0)
+    assert bounds_in_force(states[1:], 3.02)["foot"] == (1.0, 40.0)
+    assert bounds_in_force(states, 4.0)["foot"] == (1.0, 40.0)  # too old to be continued
+    assert bounds_in_force([_state(9.0, 3.0, 41.0), states[1]], 3.02)["foot"] == (1.0, 40.0)

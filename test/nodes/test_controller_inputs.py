@@ -28,7 +28,7 @@ from ghc_controller.ros_conversions import (
     time_from_seconds,
 )
 
-DEADLINE, PATIENCE = 20.0, 0.5  # [s] wall: for what must happen, for what must not
+DEADLINE, PATIENCE = 90.0, 0.5  # [s] wall: for what must happen, for what must not
 FLOATING = """<robot name="hopper">
   <link name="body"><inertial><mass value="8"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0"
     ixz="0" iyz="0"/></inertial></link>

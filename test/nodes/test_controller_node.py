@@ -35,7 +35,7 @@ from ghc_controller.ros_conversions import (
 
 JOINTS = [f"joint_{i}" for i in range(1, 8)]
 HOME = [0.1, -0.4, 0.1, 1.4, 0.1, -1.0, 0.1]
-DEADLINE = 20.0  # [s] wall, for anything that must happen
+DEADLINE = 90.0  # [s] wall, for anything that must happen
 STEP = 1e-3  # [s]
 NAN = float("nan")
 

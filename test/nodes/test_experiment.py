@@ -45,7 +45,7 @@ FILES = {
     "joints.png",
     "jerk.png",
 }
-START_DEADLINE = 60.0  # [s]
+START_DEADLINE = 180.0  # [s]
 
 
 class Experiment:

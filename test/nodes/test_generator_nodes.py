@@ -43,7 +43,7 @@ from ghc_mpc_constraints.ros_conversions import (
     schedule_message,
 )
 
-DEADLINE = 30.0  # [s] wall, for anything that must happen
+DEADLINE = 90.0  # [s] wall, for anything that must happen
 STEP = 0.01  # [s]
 
 
@@ -291,6 +291,38 @@ def test_a_restarted_generator_takes_over_from_the_bound_in_force(
     again = world.tick(0.25, lambda: world.controller.publish(in_force))
     assert again.upper[0] == pytest.approx(upper[0], abs=1e-12)
     assert 0.0 < again.upper[0] < 40.0
+
+
+def test_a_restarted_generator_does_not_follow_a_schedule_that_was_replaced(
+    world: Surroundings, start: Any
+) -> None:
+    """The topic keeps both; the second comes 0.1 s after the first, while ticks go on."""
+    node = start("contact_force_bounds", horizon=0.5, take_over_timeout=10.0)
+    in_force = ControllerState(bounded_contacts=["foot"])
+    in_force.contact_lower, in_force.contact_upper = [0.0], [20.0]
+    begun = time.monotonic()
+    sent = 0
+    while not world.plans:
+        assert time.monotonic() < begun + DEADLINE, node.output
+        if sent < 2 and time.monotonic() > begun + 0.1 * sent:
+            world.schedule([0.0], [(60.0, 20.0)[sent]])
+            sent += 1
+        world.controller.publish(in_force)
+        world.announce(5.0 + round(time.monotonic() - begun, 2))
+        world.spin(0.01)
+    assert set(world.plans[0].upper) == {20.0}
+
+
+def test_a_contact_that_nobody_schedules_any_more_stays_as_it_is(
+    world: Surroundings, start: Any
+) -> None:
+    """The planner has gone as well: the bounds in force, not those of the robot's file."""
+    start("contact_force_bounds", horizon=0.5, take_over_timeout=1.0)
+    in_force = ControllerState(bounded_contacts=["foot"])
+    in_force.contact_lower, in_force.contact_upper = [0.0], [20.0]
+    plan = world.tick(5.0, lambda: world.controller.publish(in_force))
+    assert plan.contacts == ["foot"]
+    assert set(plan.upper) == {20.0}
 
 
 def test_without_a_controller_it_starts_from_raw(world: Surroundings, start: Any) -> None:

@@ -22,7 +22,7 @@ from ghc_controller.ros_conversions import STREAM_QOS, nanoseconds_from_time
 from ghc_mpc_constraints.contact_schedule import ContactSchedule as Schedule
 from ghc_mpc_constraints.ros_conversions import SCHEDULE_QOS, schedule_message
 
-DEADLINE = 40.0  # [s] wall
+DEADLINE = 90.0  # [s] wall, for anything that must happen
 RATE_LIMIT = 1000.0  # [Nm/s], at a control period of 1 ms: 1 Nm per period
 HIGH, LOW = 60.0, 20.0  # [N]
 FASTEST = (HIGH - LOW) / 5.0 * 15.6  # [N/s] of the smoothed bound, linear in the step (fig. 5.10)

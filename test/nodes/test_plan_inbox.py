@@ -35,8 +35,9 @@ class Bounds:
     def __init__(self) -> None:
         self.followed: list[float] = []  # [s] starts
 
-    def follow(self, plan: ForceBoundsPlan) -> tuple[UnknownName, ...]:
+    def follow(self, plan: ForceBoundsPlan, now: float) -> tuple[UnknownName, ...]:
         """Take note of a plan."""
+        assert plan.start <= now
         self.followed.append(plan.start)
         unknown = [name for name in plan.contacts if name != "foot"]
         return tuple(UnknownName("contact", name, ["foot"]) for name in unknown)

@@ -53,7 +53,7 @@ class Client:
 
     def until(self, condition: Callable[[], bool]) -> None:
         """Listen until something is so."""
-        deadline = time.monotonic() + 40.0
+        deadline = time.monotonic() + 90.0
         while not condition():
             assert time.monotonic() < deadline
             self.executor.spin_once(timeout_sec=0.05)

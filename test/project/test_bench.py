@@ -24,7 +24,8 @@ from benchmarks.run import main
 from benchmarks.step_bench import REGIMES, VARIANTS
 from benchmarks.tables import loop_table
 from benchmarks.timed_controller import PARTS
-from ghc_controller.ros_conversions import STREAM_QOS
+from ghc_controller.ros_conversions import STREAM_QOS, nanoseconds_from_time
+from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds, ForceBoundSettings
 from ghc_sim_bridge.full_rate_log import FullRateLog, Source
 
 pytestmark = pytest.mark.timeout(600)  # [s] it compiles what no other test does
@@ -179,6 +180,12 @@ def test_the_loop_with_generators_uses_their_plans(ros_context: Any, tmp_path: P
     executor.shutdown()
     node.destroy_node()
     assert states[-1].bounded_contacts == ["tool"]
+    generator = ContactForceBounds(ForceBoundSettings())
+    generator.set_schedule(loop_generators.schedule(), 0.0)  # known before time runs
+    ticks = round(nanoseconds_from_time(states[-1].header.stamp) / 1e7)
+    assert 100 < ticks <= 130
+    plans = [generator.tick(0.01 * k) for k in range(ticks + 1)]
+    assert states[-1].contact_upper[0] == pytest.approx(plans[-1].upper[0, 0], rel=1e-9)
     assert 20.0 <= states[-1].contact_upper[0] < 60.0
     assert [obstacle.id for obstacle in states[-1].obstacles] == ["wall"]
     assert states[-1].obstacles[0].position[1] < 0.4

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,8 +16,10 @@ import yaml
 from ghc_controller.errors import ConfigurationError, GhcError, UnknownName
 from ghc_controller.robot_config import load_robot_config
 from ghc_controller.robots import find_robot
+from ghc_controller.stop_signals import STOP_SIGNALS
 from ghc_sim_bridge import processes
 from ghc_sim_bridge.cpu_placement import lockstep_placement
+from ghc_sim_bridge.interrupts import INTERRUPTED
 from ghc_sim_bridge.processes import (
     NodeProcesses,
     ProcessFailure,
@@ -39,14 +43,24 @@ def nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> NodeProcesses:
 def start(nodes: NodeProcesses, name: str, program: str) -> None:
     """Start a Python program as a node and wait for its first word."""
     nodes.start(name, "package", "executable", ["-c", program])
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while not nodes.log_of(name).read_bytes():
         assert time.monotonic() < deadline
         time.sleep(0.01)
 
 
+@pytest.fixture(params=[signal.SIG_DFL, signal.SIG_IGN], ids=["default", "ignored"])
+def inherited(request: pytest.FixtureRequest) -> Iterator[None]:
+    """What a child inherits of both signals; nohup, cron and a background job ignore SIGINT."""
+    before = {number: signal.signal(number, request.param) for number in STOP_SIGNALS}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("inherited")
 def test_nodes_end_by_sigint_and_their_exit_codes_are_kept(nodes: NodeProcesses) -> None:
-    program = "import sys, time\nprint('up', flush=True)\ntry:\n time.sleep(60)\n"
+    program = "import sys, time\ntry:\n print('up', flush=True)\n time.sleep(60)\n"
     start(nodes, "polite", program + "except KeyboardInterrupt:\n sys.exit(0)\n")
     nodes.check()
     nodes.stop()
@@ -61,7 +75,7 @@ def test_a_node_that_ignores_sigint_is_killed_after_a_while(nodes: NodeProcesses
 
 def test_a_dead_node_is_reported_with_its_last_lines(nodes: NodeProcesses) -> None:
     start(nodes, "ill", "import sys\nprint('line 1\\nline 2', flush=True)\nsys.exit(3)\n")
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while nodes.exit_codes()["ill"] is None:
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -71,13 +85,40 @@ def test_a_dead_node_is_reported_with_its_last_lines(nodes: NodeProcesses) -> No
 
 def test_a_node_may_end_in_order_where_that_is_allowed(nodes: NodeProcesses) -> None:
     start(nodes, "viewer", "print('bye', flush=True)\n")
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while nodes.exit_codes()["viewer"] is None:
         assert time.monotonic() < deadline
         time.sleep(0.01)
     nodes.check(may_end=["viewer"])
     with pytest.raises(ProcessFailure):
         nodes.check()
+
+
+@pytest.mark.usefixtures("inherited")
+def test_a_node_is_ended_in_the_middle_of_its_start(nodes: NodeProcesses) -> None:
+    """Before it has handlers of its own: a SIGINT that comes then is not lost."""
+    nodes.start("early", "package", "executable", ["-c", SLEEPER])
+    nodes.stop(patience=20.0)
+    assert nodes.exit_codes()["early"] not in (None, -signal.SIGKILL)
+
+
+@pytest.mark.usefixtures("inherited")
+@pytest.mark.parametrize("number", STOP_SIGNALS)
+def test_a_command_is_interrupted_whatever_it_inherited(number: signal.Signals) -> None:
+    code = (
+        "import sys, time\nfrom ghc_sim_bridge.interrupts import interruptible\n"
+        "sys.exit(interruptible('job', lambda: print('up', flush=True) or time.sleep(60)))"
+    )
+    command = [sys.executable, "-c", code]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline() == "up\n"
+        process.send_signal(number)
+        assert process.wait(20.0) == INTERRUPTED
+        assert process.stderr.read() == "job: interrupted; all nodes were ended\n"
 
 
 def test_leaving_the_context_ends_all_nodes_also_after_an_error(nodes: NodeProcesses) -> None:

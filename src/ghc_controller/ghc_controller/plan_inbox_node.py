@@ -79,7 +79,7 @@ class PlanInbox:
             if not begun:
                 continue
             try:
-                self._follow(name, begun[-1])
+                self._follow(name, begun[-1], now_ns / NANOSECONDS)
             except GhcError as error:
                 self._reject(f"constraints/{name}", str(error))
 
@@ -96,15 +96,15 @@ class PlanInbox:
                 complaints.append(f"constraints/{name}: last plan {now - stamp:.2f} s old, {what}")
         return "; ".join(complaints)
 
-    def _follow(self, name: str, message: Message) -> None:
-        left_out = self._hand_to_controller(message)
+    def _follow(self, name: str, message: Message, now: float) -> None:
+        left_out = self._hand_to_controller(message, now)
         self._followed[name] = nanoseconds_from_time(message.header.stamp) / NANOSECONDS
         self._ends[name] = nanoseconds_from_time(message.valid_until) / NANOSECONDS
         if left_out:
             # A field of its own: it comes with every plan and must not hide what else is refused.
             self._reject(f"constraints/{name}.left_out", "; ".join(map(str, left_out)))
 
-    def _hand_to_controller(self, message: Message) -> tuple[UnknownName, ...]:
+    def _hand_to_controller(self, message: Message, now: float) -> tuple[UnknownName, ...]:
         if isinstance(message, ContactForceBounds):
-            return self._controller.force_bounds.follow(force_bounds_from_message(message))
+            return self._controller.force_bounds.follow(force_bounds_from_message(message), now)
         return self._controller.obstacles.follow(obstacle_motion_from_message(message))

@@ -17,14 +17,13 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from ghc_controller.errors import GhcError
+from ghc_controller.stop_signals import STOP_SIGNALS
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 EXIT_FAILED = 1  # a partner is missing, the simulation diverged: failed while running
 EXIT_REFUSED = 2  # a parameter or file cannot be used: never ran
-
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 # A signal is handled when Python code next runs: at the next callback, or after this long. It is
 # also what makes EventsExecutor usable: its endless spin() never fires in the binary wheels.

@@ -33,6 +33,7 @@ from ghc_controller.ros_conversions import (
     time_from_seconds,
 )
 from ghc_controller.run_node import EXIT_FAILED, EXIT_REFUSED
+from ghc_controller.stop_signals import interrupt_on_stop_signals
 
 NODE_NAME = "transition"
 _INTERRUPTED = 130
@@ -122,6 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:  # root of rclpy's errors for malformed --ros-args
         return _complain(str(error), EXIT_REFUSED)
+    interrupt_on_stop_signals()
     try:
         return _follow(TransitionRequest(request, _print), options.timeout)
     except (KeyboardInterrupt, ExternalShutdownException):

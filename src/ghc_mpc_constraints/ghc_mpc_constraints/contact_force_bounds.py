@@ -78,6 +78,18 @@ class ContactForceBounds:
         if math.isfinite(lower) and math.isfinite(upper):
             self._handed_over[contact] = (lower, upper)
 
+    def hold_handed_over(self) -> None:
+        """Keep a contact that was taken over and has no schedule at its bounds in force.
+
+        Without this the plan would leave it out, and what the robot's file says would hold at
+        once. A schedule that comes later goes on from there.
+        """
+        for contact, (lower, upper) in self._handed_over.items():
+            if contact not in self._schedules:
+                self._schedules[contact] = ContactSchedule.checked(
+                    contact, [0.0], [max(lower, 0.0)], [max(upper, 0.0)]
+                )
+
     def reset(self) -> None:
         """Forget schedules, plans and bounds in force: time starts again.
 

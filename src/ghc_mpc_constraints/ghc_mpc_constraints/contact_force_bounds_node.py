@@ -10,6 +10,7 @@ Parameters see ForceBoundParameters.
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Mapping, Sequence
 from functools import partial
 
@@ -30,6 +31,7 @@ from ghc_mpc_constraints.ros_conversions import (
     force_bounds_message,
     schedule_from_message,
 )
+from ghc_mpc_constraints.schedule_history import ScheduleHistory
 from ghc_mpc_constraints.schedule_inbox import MOST_KEPT, ScheduleInbox
 
 NODE_NAME = "contact_force_bounds"
@@ -47,6 +49,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         super().__init__(NODE_NAME, ForceBoundParameters, stop)
         self._generator = ContactForceBounds(self.parameters.settings())
         self._inbox = ScheduleInbox(self.parameters.lockstep)
+        self._history = ScheduleHistory()
         self._scheduled: set[str] = set()  # contacts with a schedule
         self._accepted = 0  # schedules, also those that are known later
         self._message = ContactForceBoundsMessage()
@@ -66,8 +69,9 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
     def plan(self, start_ns: int) -> None:
         """Make the plan of a tick and publish it."""
         now = start_ns / NANOSECONDS
-        for schedule in self._inbox.due(now):
+        for schedule in self._inbox.due(now, self._has_all_schedules_of):
             self._generator.set_schedule(schedule, now)
+        self._generator.hold_handed_over()
         self._message = force_bounds_message(self._generator.tick(now), start_ns, self.clock.epoch)
         self._plans.publish(self._message)
 
@@ -78,6 +82,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
     def reset(self) -> None:
         """Forget plans: time starts again, and with it the schedules that came."""
         self._generator.reset()
+        self._history.forget()
         self._inbox.restart()
         if self._inbox.not_kept:
             self.node.get_logger().warning(
@@ -85,12 +90,14 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
                 "came for a contact"
             )
 
-    def take_over(self, controller_state: bytes) -> bool:
-        """Start from the bounds in force; False while a contact of theirs has no schedule."""
-        in_force = bounds_in_force(controller_state)
+    def take_over(self, states: Sequence[bytes], start_ns: int) -> bool:
+        """Start from the bounds in force; False while schedules of theirs may still come."""
+        in_force = bounds_in_force(states, start_ns / NANOSECONDS)
         for contact, (lower, upper) in in_force.items():
             self._generator.take_over(contact, lower, upper)
-        return in_force.keys() <= self._scheduled
+        self._history.expect(in_force)
+        complete = [self._has_all_schedules_of(contact) for contact in in_force]
+        return all(complete) and in_force.keys() <= self._scheduled
 
     def report(self) -> tuple[Mapping[str, int], int]:
         """Counts, and how many of them are trouble."""
@@ -98,6 +105,9 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         trouble = counts["held"] + counts["tightened"] + counts["conflicts"]
         more = {"second_opinions": self._generator.second_opinions, "schedules": self._accepted}
         return {**counts, **more}, trouble
+
+    def _has_all_schedules_of(self, contact: str) -> bool:
+        return self._history.is_complete(contact, time.monotonic())
 
     def _on_schedule(self, message: ContactSchedule) -> None:
         self.after_first_tick(partial(self._take_schedule, message))
@@ -109,6 +119,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
             timed = schedule_from_message(message, self.parameters.contacts, now)
             known = self._inbox.put(timed, now, running)
             self._accepted += 1
+            self._history.arrived(timed.schedule.contact, time.monotonic())
             if known:
                 self._scheduled.add(timed.schedule.contact)
                 self.look_again()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -59,7 +59,7 @@ class GeneratorNode(ABC, Generic[P]):
         self._name = name
         self._stop = stop
         self._early: list[Callable[[], None]] = []  # what came before the first tick
-        self._in_force: bytes | None = None  # the newest controller_state, until the first plan
+        self._in_force: list[bytes] = []  # the last two controller_states, until the first plan
         self._waiting_since: float | None = None  # [s] wall
         self._held_back_ns: int | None = None  # tick [ns] that waits for an input
         self._started = False  # a plan has been made
@@ -78,10 +78,11 @@ class GeneratorNode(ABC, Generic[P]):
         """Forget plans: time starts again."""
 
     @abstractmethod
-    def take_over(self, controller_state: bytes) -> bool:
-        """Start from the bounds in force of a serialized ControllerState.
+    def take_over(self, states: Sequence[bytes], start_ns: int) -> bool:
+        """Start from what the newest serialized ControllerStates, one or two, say is in force.
 
-        False when inputs are missing without which there would be nothing to plan for them.
+        The plan begins at `start_ns` [ns]. False when inputs are missing without which there
+        would be nothing to plan for them.
         """
 
     @abstractmethod
@@ -140,7 +141,7 @@ class GeneratorNode(ABC, Generic[P]):
 
     def _on_controller(self, data: bytes) -> None:
         if not self._started:
-            self._in_force = data
+            self._in_force = [*self._in_force[-1:], data]
 
     def _on_tick(self, data: bytes) -> None:
         try:
@@ -175,7 +176,7 @@ class GeneratorNode(ABC, Generic[P]):
         self.clock.planned(stamp_ns)
         self._held_back_ns = None
         self._started = True
-        self._in_force = None
+        self._in_force.clear()
         if self._controller is not None:  # it would wake this node at every account
             self.node.destroy_subscription(self._controller)
             self._controller = None
@@ -185,7 +186,7 @@ class GeneratorNode(ABC, Generic[P]):
         """Before the first plan of a run under way: wait for the bounds in force, use them."""
         if self._started or start_ns == 0:
             return False
-        if self._in_force is not None and self.take_over(self._in_force):
+        if self._in_force and self.take_over(self._in_force, start_ns):
             return False
         if self._waiting_since is None:
             self._waiting_since = time.monotonic()

@@ -81,9 +81,9 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
         self._generator.reset()
         self._sensed_ns = -1
 
-    def take_over(self, controller_state: bytes) -> bool:
+    def take_over(self, states: Sequence[bytes], start_ns: int) -> bool:
         """Start from the motion in force; False while the sensor has said nothing."""
-        for name, state in motion_in_force(controller_state).items():
+        for name, state in motion_in_force(states[-1], start_ns / NANOSECONDS).items():
             self._generator.take_over(name, state)
         return self._sensed_ns >= 0
 

@@ -35,7 +35,9 @@ class ForceBoundParameters:
     smoothing: bool = SMOOTHING
     lockstep: bool = LOCKSTEP
     take_over_timeout: float = parameter(
-        0.5, "[s] wall: wait for the bounds in force before the first plan", not_negative
+        0.5,
+        "[s] wall: wait for the bounds in force and their schedules before the first plan",
+        not_negative,
     )
     executor: str = EXECUTOR
 

@@ -16,7 +16,7 @@ from ghc_msgs.msg import (
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from ghc_controller.constraints.motion_plan import MotionPlan
+from ghc_controller.constraints.motion_plan import MotionPlan, state_at
 from ghc_controller.contacts import ForceBoundsPlan
 from ghc_controller.errors import InvalidValue
 from ghc_controller.plan_conversions import motion_state
@@ -38,6 +38,7 @@ SCHEDULE_QOS = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
+LONGEST_GUESS = 0.1  # [s] over which motion in force is continued beyond what was heard
 SENSOR_PUBLISHER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 SENSOR_SUBSCRIBER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -142,18 +143,46 @@ def obstacle_motion_message(plan: MotionPlan, start_ns: int, epoch: int) -> Obst
     return message
 
 
-def bounds_in_force(data: bytes) -> dict[str, tuple[float, float]]:
-    """Contact -> (lower, upper) [N] of a serialized ControllerState: what was used last."""
+def bounds_in_force(states: Sequence[bytes], time: float) -> dict[str, tuple[float, float]]:
+    """Contact -> (lower, upper) [N] at `time` [s] by the newest serialized ControllerStates.
+
+    A bound that moves has moved on since the controller said it: of two states the second is
+    continued at the rate between both.
+    """
+    stamps, bounds = zip(*(_stamped_bounds(data) for data in states), strict=True)
+    ahead = _ahead(stamps[-1], time)
+    newest = bounds[-1]
+    if len(states) > 1 and stamps[-1] > stamps[0] and ahead > 0.0:
+        share = ahead / (stamps[-1] - stamps[0])
+        for contact in newest.keys() & bounds[0].keys():
+            moved = newest[contact] + share * (newest[contact] - bounds[0][contact])
+            newest[contact] = np.maximum(moved, 0.0)
+    return {contact: (float(lower), float(upper)) for contact, (lower, upper) in newest.items()}
+
+
+def motion_in_force(data: bytes, time: float) -> dict[str, Array]:
+    """Obstacle -> state (3, 3) at `time` [s] by a serialized ControllerState, jerk zero since."""
     message: ControllerState = deserialize_message(data, ControllerState)
+    ahead = _ahead(nanoseconds_from_time(message.header.stamp) / NANOSECONDS, time)
+    still = np.zeros((1, 3))
+    states = {entry.id: motion_state(entry) for entry in message.obstacles}
     return {
-        contact: (lower, upper)
-        for contact, lower, upper in zip(
-            message.bounded_contacts, message.contact_lower, message.contact_upper, strict=False
-        )
+        name: state_at(state, still, 2.0 * ahead, ahead) if ahead > 0.0 else state
+        for name, state in states.items()
     }
 
 
-def motion_in_force(data: bytes) -> dict[str, Array]:
-    """Obstacle -> state (3, 3) of a serialized ControllerState: what was used last."""
+def _stamped_bounds(data: bytes) -> tuple[float, dict[str, Array]]:
+    """Stamp [s], and contact -> (lower, upper) [N]."""
     message: ControllerState = deserialize_message(data, ControllerState)
-    return {entry.id: motion_state(entry) for entry in message.obstacles}
+    rows = zip(message.contact_lower, message.contact_upper, strict=False)
+    bounds = {
+        contact: np.array(row)
+        for contact, row in zip(message.bounded_contacts, rows, strict=False)
+    }
+    return nanoseconds_from_time(message.header.stamp) / NANOSECONDS, bounds
+
+
+def _ahead(stamp: float, time: float) -> float:
+    """How far [s] a state may be continued: what is older than that has said nothing for long."""
+    return time - stamp if time - stamp < LONGEST_GUESS else 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ghc_controller.errors import InvalidValue
@@ -59,9 +60,19 @@ class ScheduleInbox:
         self._keep(timed)
         return known is None or known <= now
 
-    def due(self, now: float) -> list[ContactSchedule]:
-        """Schedules known at `now` [s], in the order in which they became so."""
-        ready = [t for t in self._waiting if t.known_from is None or t.known_from <= now + 1e-9]
+    def due(
+        self, now: float, may_use: Callable[[str], bool] = lambda _contact: True
+    ) -> list[ContactSchedule]:
+        """Schedules known at `now` [s], in the order in which they became so.
+
+        Those of a contact that `may_use` refuses wait.
+        """
+        ready = [
+            timed
+            for timed in self._waiting
+            if (timed.known_from is None or timed.known_from <= now + 1e-9)
+            and may_use(timed.schedule.contact)
+        ]
         self._waiting = [t for t in self._waiting if t not in ready]
         ready.sort(key=lambda t: -1.0 if t.known_from is None else t.known_from)
         return [timed.schedule for timed in ready]

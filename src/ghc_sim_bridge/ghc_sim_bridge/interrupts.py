@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Callable
+
+from ghc_controller.stop_signals import interrupt_on_stop_signals
 
 INTERRUPTED = 130
 
 
 def interruptible(name: str, command: Callable[[], int]) -> int:
     """Exit code of a command; both signals unwind it, so that its processes are ended."""
-    signal.signal(signal.SIGTERM, _interrupt)
+    interrupt_on_stop_signals()
     try:
         return command()
     except KeyboardInterrupt:
         print(f"{name}: interrupted; all nodes were ended", file=sys.stderr)
         return INTERRUPTED
-
-
-def _interrupt(_number: int, _frame: object) -> None:
-    raise KeyboardInterrupt

@@ -18,6 +18,7 @@ from typing import Self
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from ghc_controller.errors import GhcError, UnknownName
+from ghc_controller.stop_signals import restore_stop_signals
 from ghc_sim_bridge.cpu_placement import Cpus
 
 _TAIL_LINES = 15
@@ -73,7 +74,7 @@ class NodeProcess:
                 stderr=subprocess.STDOUT,
                 env=dict(environment),
                 process_group=0,
-                preexec_fn=partial(_prepare_child, cpus) if sys.platform == "linux" else None,
+                preexec_fn=partial(_prepare_child, cpus),
             )
 
     @property
@@ -190,8 +191,11 @@ def describe_exit(code: int) -> str:
 
 
 def _prepare_child(cpus: Cpus | None) -> None:
-    """Take the child's CPUs; ask Linux for a SIGINT when the parent dies, so that a killed run
-    leaves no node behind."""
+    """Let signals end the child and take its CPUs; ask Linux for a SIGINT when the parent dies, so
+    that a killed run leaves no node behind."""
+    restore_stop_signals()
+    if sys.platform != "linux":
+        return
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)
     if cpus is not None:
         os.sched_setaffinity(0, cpus)

@@ -11,6 +11,7 @@ import time
 from dataclasses import dataclass
 
 from ghc_controller.errors import GhcError
+from ghc_controller.stop_signals import restore_stop_signals
 
 LOOPBACK = "127.0.0.1"
 START_DEADLINE = 30.0  # [s] wall, until the viewer listens
@@ -59,6 +60,7 @@ def start_viewer(window: bool) -> ViewerProcess:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
+        preexec_fn=restore_stop_signals,
     )
     url = f"rerun+http://{LOOPBACK}:{port}/proxy"
     page = f"http://{LOOPBACK}:{page_port}/?url={url.replace('+', '%2B')}"

@@ -9,6 +9,7 @@ import numpy as np
 
 from ghc_controller.contacts.bounds_plan import ForceBoundsPlan
 from ghc_controller.contacts.contact import Contact, OnStale
+from ghc_controller.contacts.late_plan import Way
 from ghc_controller.errors import UnknownName
 from ghc_controller.types import Array
 
@@ -30,7 +31,8 @@ class BoundsInForce:
     """Follows the newest plan; a contact that it leaves out keeps what the robot's file says.
 
     After the end of a plan each contact holds its last bounds or is released, as `on_stale`
-    says. Whether a contact is on does not change without a plan: one that carries the robot is
+    says. A plan that comes after its start does not make a bound jump that it loosens: see `Way`.
+    Whether a contact is on does not change without a plan: one that carries the robot is
     never switched off because its generator is silent.
     """
 
@@ -46,12 +48,17 @@ class BoundsInForce:
     def reset(self) -> None:
         """Forget the plan."""
         self._plan: ForceBoundsPlan | None = None
+        self._way: Way | None = None
         self._places = _NOWHERE
         self._held = _NOWHERE
         self._active = tuple(contact.active for contact in self._contacts)
 
-    def follow(self, plan: ForceBoundsPlan) -> tuple[UnknownName, ...]:
+    def follow(self, plan: ForceBoundsPlan, now: float | None = None) -> tuple[UnknownName, ...]:
         """Take a plan over, as far as it speaks of contacts that the robot has.
+
+        Args:
+            plan: what a generator planned.
+            now: [s] from when on it is followed; None = from its start.
 
         Returns:
             What is wrong with each contact that was left out; empty when none was.
@@ -59,6 +66,8 @@ class BoundsInForce:
         unknown = tuple(name for name in plan.contacts if name not in self._names)
         if unknown:
             plan = plan.without(unknown)
+        delay = 0.0 if now is None else now - plan.start
+        in_force = None if now is None or delay <= _AGE_TOLERANCE else self.at(now)
         self._plan = plan
         places = [self._names.index(name) for name in plan.contacts]
         self._places = np.array(places, dtype=np.intp)
@@ -68,10 +77,20 @@ class BoundsInForce:
         for place, on in zip(places, plan.in_contact, strict=True):
             active[place] = on
         self._active = tuple(active)
+        if not plan.smoothed:  # steps are what is asked for
+            self._way = None
+        elif now is not None and in_force is not None:
+            self._way = Way.begun(now, delay, in_force, self._planned(now), self._way)
         return tuple(UnknownName("contact", name, self._names) for name in unknown)
 
     def at(self, time: float) -> NormalBounds:
         """Bounds at `time` [s]."""
+        bounds = self._planned(time)
+        if self._way is not None:
+            self._way.narrow(time, bounds.lower, bounds.upper)
+        return bounds
+
+    def _planned(self, time: float) -> NormalBounds:
         lower, upper = self._file[0].copy(), self._file[1].copy()
         stale: tuple[str, ...] = ()
         plan = self._plan
