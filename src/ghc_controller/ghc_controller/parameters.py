@@ -34,8 +34,18 @@ class ControllerParameters:
         "what a weight on torque pulls to (ghc, ghc_full): none, bias or zero",
         one_of("none", "bias", "zero"),
     )
+    velocity_damping: float = parameter(
+        20.0,
+        "[1/s] kd: regularization pulls accelerations to -kd v; 0 = to zero, as in the papers",
+        not_negative,
+    )
+    hqp_damps_velocity: bool = parameter(
+        False, "hqp uses velocity_damping as well; false = damping of the literature"
+    )
     layer_damping: float = parameter(
-        0.0, "[-] damped projector layers: continuous at rank changes; 0 = exact", not_negative
+        -1.0,
+        "[-] damped projector layers: continuous at rank changes; 0 = exact, "
+        "negative = of the formulation: balanced 2.5e-6, the others 0",
     )
     velocity_limit: float = parameter(
         0.0, "[rad/s] of every joint; 0 = of the robot", not_negative
@@ -95,6 +105,10 @@ class ControllerParameters:
             optimization=FormulationSettings(
                 regularization=self.regularization,
                 torque_regularization=TorqueRegularization(self.torque_regularization),
-                projector=ProjectorSettings(layer_damping=self.layer_damping),
+                velocity_damping=self.velocity_damping,
+                hqp_damps_velocity=self.hqp_damps_velocity,
+                projector=ProjectorSettings(
+                    layer_damping=None if self.layer_damping < 0.0 else self.layer_damping
+                ),
             ),
         )

@@ -44,6 +44,8 @@ def warm_up(controller: Controller) -> None:
     tight = Bounds(bias - 1e-3, bias + 1e-3)
     controller.formulation.solve(replace(problem, torque=tight))
     controller.sigma_min_of(controller.priorities.alpha)
+    k = len(controller.robot.tasks)
+    controller.solvability().measure(np.full((k, k), 0.25))
     controller.reset()
 
 

@@ -7,11 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from ghc_controller.formulations.bounded_qp import bounded_answer
+from ghc_controller.formulations.force_center import ForceCenter
 from ghc_controller.formulations.formulation import Solution
 from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.types import Array, Bounds
 
+UPPER_FORCE_WEIGHT = 1e-4  # [-] root of the weight on forces above the last level
 _KEEP_FEASIBLE = 1e-7  # [rad/s^2], [Nm], [N] widening that keeps the answer of the level above
 
 
@@ -25,6 +28,12 @@ def reduced_acceleration(reduced: ReducedProblem, x: Array) -> Array:
     if reduced.basis is None or reduced.offset is None:
         return x
     return reduced.basis.T @ (x - reduced.offset)
+
+
+def free_answer(reduced: ReducedProblem, forces: ForceCenter, y: Array) -> Solution | None:
+    """Answer of accelerations y (d,) and the forces for them, if they meet every bound."""
+    force, balanced = forces.at(reduced, y)
+    return bounded_answer(reduced, y, force) if balanced else None
 
 
 def keep_feasible(reduced: ReducedProblem, found: Solution) -> ReducedProblem:
