@@ -10,7 +10,7 @@ from random_problems import random_problem, strict_alpha
 
 from ghc_controller.errors import GhcError
 from ghc_controller.formulations import FormulationSettings, SolutionStatus, make_formulation
-from ghc_controller.formulations.kernels import priority_weights
+from ghc_controller.formulations.weight_kernels import priority_weights
 from ghc_controller.hierarchy import Priorities, ProjectorSettings
 from ghc_controller.types import Array
 
@@ -146,3 +146,21 @@ def test_layers_are_damped_unless_told_otherwise() -> None:
     assert make_formulation("balanced", open_).projector.layer_damping == 2.5e-6
     assert make_formulation("balanced", exact).projector.layer_damping == 0.0
     assert make_formulation("ghc", open_).projector.layer_damping == 0.0
+
+
+def test_tasks_that_put_each_other_first_give_up_what_they_share() -> None:
+    """Two equal tasks with alpha_12 = alpha_21 = 1 block each other; in any order both are met."""
+    rng = np.random.default_rng(46)
+    problem = random_problem(rng, 7, [2, 2, 7], strict_alpha(3))
+    jacobian, target = problem.jacobian.copy(), problem.target.copy()
+    jacobian[2:4], target[2:4] = jacobian[:2], target[:2]
+    target[4:] = 0.0
+    mutual = strict_alpha(3)
+    mutual[0, 1] = 1.0
+    missed = []
+    for alpha in (strict_alpha(3), mutual):
+        same = replace(problem, jacobian=jacobian, target=target, priorities=Priorities.of(alpha))
+        x = make_formulation("balanced").solve(same).acceleration
+        missed.append(np.linalg.norm(jacobian[:2] @ x - target[:2]) / np.linalg.norm(target[:2]))
+    assert missed[0] < 0.01
+    assert missed[1] > 0.99

@@ -8,21 +8,17 @@ from dataclasses import fields
 import numpy as np
 
 from ghc_controller.controller import Controller
-from ghc_controller.types import RobotState
+from ghc_controller.types import Array, RobotState
 
 
-def _arrays(value: object) -> list[np.ndarray]:
+def _arrays(value: object) -> list[Array]:
     """All arrays in a problem, its bounds, rows and priorities."""
     if isinstance(value, np.ndarray):
         return [value]
     if isinstance(value, tuple):
         return [array for part in value for array in _arrays(part)]
     if hasattr(value, "__dataclass_fields__"):
-        return [
-            array
-            for field in fields(value)  # type: ignore[arg-type]
-            for array in _arrays(getattr(value, field.name))
-        ]
+        return [array for field in fields(value) for array in _arrays(getattr(value, field.name))]
     return []
 
 

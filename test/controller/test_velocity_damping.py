@@ -28,7 +28,8 @@ def _optimum(problem: ControlProblem, kd: float) -> Array:
     """Least |J x - b|^2 + w |x + kd v|^2."""
     jacobian = problem.jacobian
     right = jacobian.T @ problem.target - W * kd * problem.velocity
-    return np.linalg.solve(jacobian.T @ jacobian + W * np.eye(7), right)
+    hessian = jacobian.T @ jacobian + W * np.eye(7)
+    return np.asarray(np.linalg.solve(hessian, right), dtype=np.float64)
 
 
 @pytest.mark.parametrize("name", DAMPED)

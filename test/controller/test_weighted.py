@@ -5,18 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from random_problems import random_problem, strict_alpha
 
 from ghc_controller.formulations import SolutionStatus, make_formulation
 from ghc_controller.hierarchy import Priorities
+from ghc_controller.types import Array
 
 
-def test_ten_levels_are_solved() -> None:
-    """Ten strict levels on 32 joints, torque bounds active: all of 30 SOLVED, rows kept."""
+@pytest.mark.parametrize(("n", "share", "contacts"), [(32, 0.5, 0), (38, None, 4)])
+def test_ten_levels_are_solved(n: int, share: float | None, contacts: int) -> None:
+    """Ten strict levels, torque bounds active or in contact: all of 30 SOLVED, rows kept."""
     rng = np.random.default_rng(51)
     formulation = make_formulation("weighted")
     for _ in range(30):
-        problem = random_problem(rng, 32, [3] * 10, strict_alpha(10), torque_share=0.5)
+        problem = random_problem(rng, n, [3] * 10, strict_alpha(10), share, contacts)
         solution = formulation.solve(problem)
         assert solution.status is SolutionStatus.SOLVED
         assert solution.qp_solved
@@ -46,7 +49,7 @@ def test_the_cap_sets_in_without_a_jump() -> None:
     problem = random_problem(rng, 32, [3] * 10, start)
     formulation = make_formulation("weighted")
 
-    def torque(s: float) -> np.ndarray:
+    def torque(s: float) -> Array:
         alpha = start + s * (goal - start)
         return formulation.solve(replace(problem, priorities=Priorities.of(alpha))).torque
 

@@ -9,11 +9,11 @@ from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.kernels import (
     balanced_system,
     balanced_target,
-    weighted_system,
 )
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import reduce_contacts
+from ghc_controller.formulations.weight_kernels import weighted_system
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order
 from ghc_controller.hierarchy.solvability import Solvability

@@ -1,4 +1,4 @@
-"""Compiled inner loops of the formulations: projected targets and metrics.
+"""Compiled inner loops of the projector formulations: their targets, metrics and systems.
 
 Letters: J_i, b_i rows of task i; P_i its generalized projector; w the regularisation; k tasks,
 m rows, d (reduced) accelerations.
@@ -151,58 +151,3 @@ def balanced_target(
     for r in range(d):
         normal[r, r] += guard * guard - sigma * sigma
     return solve_factored(cholesky(normal), system.T @ right), sigma
-
-
-@njit(cache=True)
-def priority_weights(alpha: Array, ratio: float, spread: float) -> Array:  # pragma: no cover
-    """gamma_i = (1 - alpha_ii) r^(s_i), s_i = sum_j alpha_ji over active j != i; (k,).
-
-    r is `ratio`, or less where many tasks are in: no gamma_i exceeds `spread`. Continuous in
-    alpha, since the largest s_i is.
-    """
-    k = alpha.shape[0]
-    dominated = np.zeros(k)
-    longest = 1.0
-    for i in range(k):
-        for j in range(k):
-            if j != i:
-                dominated[i] += (1.0 - alpha[j, j]) * alpha[j, i]
-        longest = max(longest, dominated[i])
-    base = min(ratio, spread ** (1.0 / longest))
-    weights = np.zeros(k)
-    for i in range(k):
-        weights[i] = (1.0 - alpha[i, i]) * base ** dominated[i]
-    return weights
-
-
-@njit(cache=True)
-def weighted_system(
-    jacobian: Array,
-    target: Array,
-    starts: Starts,
-    alpha: Array,
-    ratio: float,
-    spread: float,
-    damping: float,
-) -> tuple[Array, Array]:  # pragma: no cover
-    """H = sum_i gamma_i J_i^T J_i + damping I, (d, d), and sum_i gamma_i J_i^T b_i, (d,).
-
-    The weights gamma_i are `priority_weights` with this ratio and spread.
-    """
-    d = jacobian.shape[1]
-    weights = priority_weights(alpha, ratio, spread)
-    hessian = np.zeros((d, d))
-    right = np.zeros(d)
-    for r in range(d):
-        hessian[r, r] = damping
-    for i in range(weights.shape[0]):
-        if weights[i] > 0.0:
-            rows = jacobian[starts[i] : starts[i + 1]]
-            is_selection, values = selected_values(rows)
-            if is_selection:
-                for r in range(d):
-                    hessian[r, r] += weights[i] * values[r] * values[r]
-            else:
-                hessian += (weights[i] * rows).T @ rows
-            add_combination(weights[i] * target[starts[i] : starts[i + 1]], rows, right)
-    return hessian, right
