@@ -90,7 +90,7 @@ class BalancedGhc(Formulation):
         return Solvability(
             measure,
             _GUARD,
-            "formulation balanced would pass through a singularity: smallest singular value of "
-            "its system, over w and with the sign of the determinant,",
+            "the system of formulation balanced, which stands for (13b), would be singular: "
+            "smallest singular value, over w and with the sign of the determinant,",
             "avoid circles, go through another order, or take a formulation that blends orders,",
         )
