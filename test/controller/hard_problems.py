@@ -6,6 +6,7 @@ import numpy as np
 from random_problems import random_alpha, strict_alpha
 
 from ghc_controller.formulations import ControlProblem
+from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array, Bounds
 
 
@@ -35,8 +36,9 @@ def hard_problem(rng: np.random.Generator) -> tuple[ControlProblem, bool]:
     if not stands:
         lower, upper = lower + 2.0 * box, upper + 2.5 * box
     torque = Bounds(bias - half, bias + half)
+    priorities, still, limits = Priorities.of(alpha), np.zeros(n), Bounds(lower, upper)
     return ControlProblem(
-        jacobian, target, starts, alpha, mass, bias, Bounds(lower, upper), torque, torque
+        jacobian, target, starts, priorities, mass, bias, still, limits, torque, torque
     ), stands
 
 

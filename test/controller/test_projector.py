@@ -133,3 +133,26 @@ def test_smallest_singular_value() -> None:
     assert smallest_singular_value(free) > 1.0 - 1e-12
     blocked = generalized_projectors(jacobian, starts, np.ones((2, 2)))
     assert smallest_singular_value(blocked) < 1e-7
+
+
+def test_damped_layers_do_not_depend_on_shared_bases() -> None:
+    """Every P_i is that of its own row alone, by plain inverses: 20 problems of 4 tasks."""
+    rng = np.random.default_rng(8)
+    damping = 1e-2
+    for _ in range(20):
+        jacobian, starts = _rows(rng, 8, [2, 3, 2, 8])
+        jacobian /= np.linalg.norm(jacobian, axis=1, keepdims=True)
+        alpha = random_alpha(rng, 4)
+        settings = ProjectorSettings(layer_damping=damping)
+        projectors = generalized_projectors(jacobian, starts, alpha, settings)
+        for i in range(4):
+            order = np.argsort(-alpha[i], kind="stable")
+            levels = np.append(alpha[i][order], 0.0)
+            expected = np.eye(8)
+            for last in range(4):
+                tasks = order[: last + 1]
+                stacked = np.vstack([jacobian[starts[j] : starts[j + 1]] for j in tasks])
+                gram = stacked @ stacked.T + damping**2 * np.eye(len(stacked))
+                share = levels[last] - levels[last + 1]
+                expected -= share * stacked.T @ np.linalg.solve(gram, stacked)
+            assert np.abs(projectors[i] - expected).max() < 1e-9

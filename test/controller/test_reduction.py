@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from random_problems import random_problem, strict_alpha
 
-from ghc_controller.formulations.reduction import null_motion
+from ghc_controller.formulations.reduction import kept_by_contacts, null_motion, reduce_contacts
 from ghc_controller.formulations.reduction_kernels import null_motion_qr
 from ghc_controller.formulations.row_kernels import stacked_rows
 
@@ -63,3 +64,14 @@ def test_rows_hold_where_the_quantities_are_inside_their_bounds(in_contact: bool
     np.testing.assert_allclose(np.linalg.norm(rows, axis=1), 1.0, atol=1e-12)
     np.testing.assert_allclose((rows @ s - low) * norm, value - np.concatenate(lower), atol=1e-9)
     np.testing.assert_allclose((high - rows @ s) * norm, np.concatenate(upper) - value, atol=1e-9)
+
+
+def test_transitions_are_judged_in_the_accelerations_that_contacts_leave() -> None:
+    """The rows are those of the reduced problem; one that a contact holds is zero, not noise."""
+    problem = random_problem(np.random.default_rng(7), 24, [3, 3], strict_alpha(2), contacts=4)
+    assert problem.contacts is not None
+    problem.jacobian[:3] = problem.contacts.jacobian[:3]
+    kept = kept_by_contacts(problem.jacobian, problem.contacts.jacobian)
+    assert np.array_equal(kept, reduce_contacts(problem).jacobian)
+    assert (kept[:3] == 0.0).all()
+    assert np.linalg.matrix_rank(kept) == 3

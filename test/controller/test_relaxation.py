@@ -19,6 +19,7 @@ from ghc_controller.formulations import (
     SolutionStatus,
     make_formulation,
 )
+from ghc_controller.hierarchy import Priorities
 from ghc_controller.qp import QpProblem, QpResult, QpStatus, SolverSettings
 from ghc_controller.qp.daqp_solver import DaqpSolver
 from ghc_controller.qp.dual_solver import DualSolver
@@ -41,8 +42,9 @@ def _one_joint_too_weak() -> ControlProblem:
     box = Bounds(np.array([10.0, -5.0]), np.array([12.0, 5.0]))
     starts = np.array([0, 2])
     target = np.array([-500.0, 1.0])
+    alone, still = Priorities.of(np.zeros((1, 1))), np.zeros(2)
     return ControlProblem(
-        np.eye(2), target, starts, np.zeros((1, 1)), np.eye(2), np.zeros(2), box, torque, torque
+        np.eye(2), target, starts, alone, np.eye(2), still, still, box, torque, torque
     )
 
 

@@ -96,3 +96,14 @@ def test_the_first_task_is_reached() -> None:
     run = _run("balanced", 1.0, RATE, 0.2, 5.5)
     assert run.error[0] < 3e-3
     assert run.error[1] > 0.1  # the elbow's target is out of reach of the end effector's
+
+
+@pytest.mark.parametrize("formulation", ["balanced", "weighted"])
+def test_an_arm_whose_targets_conflict_comes_to_rest(formulation: str) -> None:
+    """Default settings, elbow 0.3 m from where it can go: after 6 s joints stand still for 2 s."""
+    run = _run(formulation, 0.5, RATE, 0.0, 8.0)
+    assert run.error[0] < 0.01
+    assert run.error[1] > 0.2
+    late = slice(round(6.0 / DT), None)
+    assert np.abs(run.velocity[late]).max() < 5e-3
+    assert _steps(run)[late].max() < 1e-3

@@ -26,7 +26,9 @@ from ghc_controller.formulations import (
     ControlProblem,
     make_formulation,
 )
+from ghc_controller.formulations.reduction import kept_by_contacts
 from ghc_controller.hierarchy import (
+    Solvability,
     Transition,
     TransitionEvent,
     TransitionSchedule,
@@ -90,7 +92,7 @@ class Controller:
         )
         hierarchy = self.settings.hierarchy or robot.hierarchy
         self.priorities = TransitionSchedule(
-            matrix_from_hierarchy(robot.task_names, hierarchy), self.sigma_min_of
+            matrix_from_hierarchy(robot.task_names, hierarchy), self.sigma_min_of, self.solvability
         )
         self._priorities = self.priorities.in_force  # of the last step
         self._applied: Array | None = None
@@ -147,8 +149,8 @@ class Controller:
         """Schedule a change of priorities; False when it is a repeat that changes nothing.
 
         Raises:
-            InvalidValue: eq. 13b would lose its solution on the way, or the formulation in use
-            cannot keep the transition's torque rate.
+            InvalidValue: the formulation in use would lose its solution on the way, or it cannot
+            keep the transition's torque rate.
         """
         if transition.torque_rate > 0.0 and not self.formulation.blends:
             raise InvalidValue(
@@ -300,12 +302,18 @@ class Controller:
 
     def sigma_min_of(self, alpha: Array) -> float:
         """Smallest singular value of [P_1 .. P_k] at the present configuration."""
-        projector = self.settings.optimization.projector
         return smallest_singular_value(
             generalized_projectors(
-                self.stack.jacobian, self.stack.starts, np.array(alpha), projector
+                self.stack.jacobian, self.stack.starts, np.array(alpha), self.formulation.projector
             )
         )
+
+    def solvability(self) -> Solvability:
+        """What transitions must keep at this configuration, in the contacts of the last step."""
+        jacobian, limits = self.stack.jacobian, self._limits
+        if limits is not None and limits.contact_rows is not None:
+            jacobian = kept_by_contacts(jacobian, limits.contact_rows.jacobian)
+        return self.formulation.solvability(jacobian, self.stack.starts)
 
     def _count(self, status: StepStatus) -> None:
         self.counts |= self.formulation.solver.counts

@@ -35,7 +35,9 @@ class ControllerParameters:
     hierarchy: str = parameter("", "hierarchy at the start; empty = of the robot's file")
     regularization: float = parameter(1e-2, "[-] weight on nu'_i, or damping per level", positive)
     velocity_damping: float = parameter(
-        20.0, "[1/s] kd: regularization pulls accelerations to -kd v; 0 = to zero", not_negative
+        20.0,
+        "[1/s] kd: damping pulls to -kd v; 0 = to zero, as in the papers",
+        not_negative,
     )
     null_damping: float = parameter(
         3e-5, "[-] e: null spaces of cascade open over singular values of this size", positive
@@ -45,8 +47,13 @@ class ControllerParameters:
         "what a weight on torque pulls to (ghc, ghc_full): none, bias or zero",
         one_of("none", "bias", "zero"),
     )
+    hqp_damps_velocity: bool = parameter(
+        False, "hqp uses velocity_damping as well; false = damping of the literature"
+    )
     layer_damping: float = parameter(
-        0.0, "[-] damped projector layers: continuous at rank changes; 0 = exact", not_negative
+        -1.0,
+        "[-] damped projector layers: continuous at rank changes; 0 = exact, "
+        "negative = of the formulation: balanced 2.5e-6, the others 0",
     )
     velocity_limit: float = parameter(
         0.0, "[rad/s] of every joint; 0 = of the robot", not_negative
@@ -108,6 +115,9 @@ class ControllerParameters:
                 velocity_damping=self.velocity_damping,
                 null_damping=self.null_damping,
                 torque_regularization=TorqueRegularization(self.torque_regularization),
-                projector=ProjectorSettings(layer_damping=self.layer_damping),
+                hqp_damps_velocity=self.hqp_damps_velocity,
+                projector=ProjectorSettings(
+                    layer_damping=None if self.layer_damping < 0.0 else self.layer_damping
+                ),
             ),
         )

@@ -46,6 +46,8 @@ def warm_up(controller: Controller) -> None:
     controller.formulation.solve(replace(problem, torque=tight))
     _relax(controller, replace(problem, torque=tight, torque_limit=tight))
     controller.sigma_min_of(controller.priorities.alpha)
+    k = len(controller.robot.tasks)
+    controller.solvability().measure(np.full((k, k), 0.25))
     controller.reset()
 
 

@@ -32,9 +32,10 @@ The paper does not print its targets, its start posture or its inertial paramete
 `scenarios/*.yaml` and in the robot's URDF. So the errors of tasks that have to give way, which
 only measure how far apart the targets are, are not comparable in size; which task reaches zero is.
 
-`balanced`, the default formulation, runs with damped projector layers (`layer_damping` of the
-scenario files). Without them the same errors are reached, but wherever the arm has to stretch,
-the second task loses a direction, and the wrist swings for ever in a motion that no task damps.
+`balanced` damps its projector layers (`layer_damping`). Accelerations are damped towards -kd v
+(`velocity_damping`), but for `hqp`, which damps them towards 0 as in the literature and takes
+singular values below 1e-4 of the largest as zero, and for `ghc` and `ghc_full`, which run as in
+the paper.
 """
 
 

@@ -2,59 +2,95 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ghc_controller.formulations.bounded_qp import solve_qp, unbounded_answer
 from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.kernels import (
+    balanced_system,
     balanced_target,
-    weighted_system,
 )
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import reduce_contacts
+from ghc_controller.formulations.weight_kernels import weighted_system
+from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.hierarchy.levels import is_order
+from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.small_factors import inverse_factor
+from ghc_controller.types import Array
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped
-_LARGEST_SPREAD = 1e10  # [-] of the metric between the first and the last level
-_METRIC_FLOOR = 1e-4  # [-] weight of directions that no task claims
+_LARGEST_WEIGHT = 1e6  # [-] of the metric, between the first level and the last
+_METRIC_FLOOR = 1.0  # [-] weight on |x|^2: that of the last level, so that it adds no spread
 
 
 class BalancedGhc(Formulation):
     """Balance of projected gradients (design, section 3.2).
 
-    [sum_i P_i J_i^T J_i + w I] x* = sum_i P_i J_i^T b_i is the damped lexicographic optimum at
-    strict orders and linear in the P_i, hence continuous in alpha. The QP
-    min 1/2 (x - x*)^T W (x - x*), W = sum_i gamma_i J_i^T J_i, decides what yields at bounds.
+    With x measured from -kd v, [sum_i P_i J_i^T J_i + w I] x* = sum_i P_i J_i^T b_i is the damped
+    lexicographic optimum at strict orders and linear in the P_i. The QP
+    min 1/2 (x - x*)^T W (x - x*), W = sum_i gamma_i J_i^T J_i + I, decides what yields at bounds.
     """
 
     name = "balanced"
+    layer_damping = 2.5e-6  # calms the arm where a task loses a direction, at 1e-5 m and less
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         settings = self.settings
         reduced = reduce_contacts(problem)
-        target, _ = balanced_target(
+        origin, wanted = reduced.about_rest(settings.velocity_damping)
+        moved, _ = balanced_target(
             reduced.jacobian,
-            reduced.target,
+            wanted,
             problem.starts,
             problem.alpha,
             settings.regularization,
-            settings.projector.rank_tolerance,
-            settings.projector.layer_damping,
+            self.projector.rank_tolerance,
+            self.projector.layer_damping,
             _GUARD * settings.regularization,
         )
+        target = origin + moved
         answer = unbounded_answer(reduced, target)
         if answer is not None:
             return answer
-        k = problem.alpha.shape[0]
-        ratio = min(settings.metric_ratio, _LARGEST_SPREAD ** (1.0 / max(k - 1, 1)))
         metric, _ = weighted_system(
             reduced.jacobian,
-            reduced.target,
+            wanted,
             problem.starts,
             problem.alpha,
-            ratio,
+            settings.metric_ratio,
+            _LARGEST_WEIGHT,
             _METRIC_FLOOR,
         )
         factor = inverse_factor(metric)
         parametrization = Parametrization.whitened(target, factor, problem.contacts)
-        return solve_qp(reduced, parametrization, self.solver, settings)
+        return solve_qp(reduced, parametrization, self.solver)
+
+    def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
+        """Smallest singular value of the system of x*, in units of w and with the sign of its det.
+
+        The determinant is positive at every order of tasks; priorities in a circle can bring it
+        through zero, where x* and the torques jump.
+        """
+        w, projector = self.settings.regularization, self.projector
+
+        def measure(alpha: Array) -> float:
+            if (np.diag(alpha) >= 1.0).all():
+                return 0.0  # no task is left
+            if is_order(alpha):
+                return 1.0
+            system, _ = balanced_system(
+                jacobian, starts, alpha, w, projector.rank_tolerance, projector.layer_damping
+            )
+            sign, _ = np.linalg.slogdet(system)
+            return float(sign * np.linalg.svd(system, compute_uv=False)[-1] / w)
+
+        return Solvability(
+            measure,
+            _GUARD,
+            "the system of formulation balanced, which stands for (13b), would be singular: "
+            "smallest singular value, over w and with the sign of the determinant,",
+            "avoid circles, go through another order, or take a formulation that blends orders,",
+        )

@@ -13,8 +13,8 @@ import numpy as np
 
 from ghc_controller.formulations.acceptance import accept, in_words, judged, no_answer
 from ghc_controller.formulations.box_kernels import is_inside, rows_inside, torques_inside
-from ghc_controller.formulations.formulation import FormulationSettings, Solution, SolutionStatus
-from ghc_controller.formulations.problem import ContactRows, ControlProblem
+from ghc_controller.formulations.formulation import NO_FORCE, Solution, SolutionStatus
+from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization, build_qp
 from ghc_controller.formulations.reduction import ReducedProblem
 from ghc_controller.formulations.relaxation import Relaxation, relax
@@ -31,26 +31,30 @@ def unbounded_answer(reduced: ReducedProblem, y: Array) -> Solution | None:
     source = reduced.source
     if source.unactuated > 0:
         return None
-    if source.contacts is not None:
-        return _unbounded_contact_answer(reduced, source.contacts, y)
-    rows = source.rows
-    if rows is not None and not rows_inside(rows.matrix, y, rows.lower, rows.upper):
-        return None
-    box, torque = source.acceleration, source.torque
-    inside, tau = torques_inside(
-        y, source.mass_matrix, source.bias, box.lower, box.upper, torque.lower, torque.upper
+    return bounded_answer(
+        reduced, y, NO_FORCE if source.contacts is None else source.contacts.force_center
     )
-    return Solution.unbounded(y, tau) if inside else None
 
 
-def _unbounded_contact_answer(
-    reduced: ReducedProblem, contacts: ContactRows, y: Array
-) -> Solution | None:
-    source, force = reduced.source, contacts.force_center
-    if not rows_inside(contacts.force_matrix, force, contacts.force_lower, contacts.force_upper):
+def bounded_answer(reduced: ReducedProblem, y: Array, force: Array) -> Solution | None:
+    """Solution of accelerations y (d,) and forces (c,) if they meet every bound; else None.
+
+    The balance of an unactuated base is not looked at.
+    """
+    source, rows, contacts = reduced.source, reduced.source.rows, reduced.source.contacts
+    box, torque = source.acceleration, source.torque
+    if reduced.basis is None:
+        if rows is not None and not rows_inside(rows.matrix, y, rows.lower, rows.upper):
+            return None
+        inside, tau = torques_inside(
+            y, source.mass_matrix, source.bias, box.lower, box.upper, torque.lower, torque.upper
+        )
+        return Solution.unbounded(y, tau) if inside else None
+    if contacts is not None and not rows_inside(
+        contacts.force_matrix, force, contacts.force_lower, contacts.force_upper
+    ):
         return None
     x, tau = reduced.answer(y, force)
-    rows, box, torque = source.rows, source.acceleration, source.torque
     inside = is_inside(x, box.lower, box.upper) and is_inside(tau, torque.lower, torque.upper)
     if rows is not None:
         inside = inside and rows_inside(rows.matrix, x, rows.lower, rows.upper)
@@ -61,20 +65,18 @@ def solve_bounded(
     reduced: ReducedProblem,
     parametrization: Parametrization,
     solver: QpSolver,
-    settings: FormulationSettings,
 ) -> Solution:
     """Answer nearest to the optimum s = 0 that meets the bounds; no QP where that one does."""
     answer = unbounded_answer(reduced, parametrization.acceleration)
     if answer is not None:
         return answer
-    return solve_qp(reduced, parametrization, solver, settings)
+    return solve_qp(reduced, parametrization, solver)
 
 
 def solve_qp(
     reduced: ReducedProblem,
     parametrization: Parametrization,
     solver: QpSolver,
-    settings: FormulationSettings,  # noqa: ARG001 - every formulation passes its own
     hessian: Array | None = None,
     gradient: Array | None = None,
 ) -> Solution:

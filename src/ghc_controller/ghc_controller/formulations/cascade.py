@@ -25,6 +25,7 @@ from ghc_controller.formulations.formulation import (
     SolutionStatus,
 )
 from ghc_controller.formulations.level_answers import (
+    UPPER_FORCE_WEIGHT,
     keep_feasible,
     keeps_bounds,
     reduced_acceleration,
@@ -36,6 +37,7 @@ from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order, levels
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.soft_null_space import append_rows, null_projector
+from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.qp import QpSolver
 from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
@@ -44,7 +46,6 @@ _NO_ROWS = np.zeros(0, dtype=np.int64)
 _EMPTY = np.zeros((0, 0))
 _NONE = np.zeros(0)
 _ORDERS_KEPT = 64
-_UPPER_FORCE_WEIGHT = 1e-4  # [-] root of the weight on forces above the last level
 
 
 class Cascade(Formulation):
@@ -71,6 +72,11 @@ class Cascade(Formulation):
             for candidate in problem.priorities.candidates
         ]
         return blend(answers, problem.priorities)
+
+    def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
+        """Orders always have an answer; a target that is none must have one by `balanced`."""
+        general = BalancedGhc(self.settings, self.solver).solvability(jacobian, starts)
+        return general._replace(along_ramp=False)
 
     def _answer(self, reduced: ReducedProblem, forces: ForceCenter, alpha: Array) -> Solution:
         order = self._order(alpha, reduced.source.starts)
@@ -165,10 +171,10 @@ class _Descent:
         factor = null_projector(self.basis, self.used) @ inverse_factor(
             local.T @ local + damping * np.eye(best.shape[0])
         )
-        weight = 1.0 if level + 1 == len(self.ends) else _UPPER_FORCE_WEIGHT
+        weight = 1.0 if level + 1 == len(self.ends) else UPPER_FORCE_WEIGHT
         parametrization = self.forces.parametrization(self.reduced, best, factor, weight)
         self.used = append_rows(rows, self.e, self.basis, self.used)
-        return solve_qp(self.reduced, parametrization, self.solver, self.settings)
+        return solve_qp(self.reduced, parametrization, self.solver)
 
 
 def _kernel_terms(reduced: ReducedProblem, forces: ForceCenter) -> tuple[Motion, Balance, Rows]:

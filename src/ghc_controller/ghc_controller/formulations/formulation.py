@@ -11,7 +11,13 @@ import numpy as np
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.hierarchy.projector import ProjectorSettings
+from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.hierarchy.projector import (
+    ProjectorSettings,
+    generalized_projectors,
+    smallest_singular_value,
+)
+from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
 
@@ -29,7 +35,7 @@ class FormulationSettings:
     """Numbers shared by the formulations.
 
     Raises:
-        InvalidValue: a weight that is not positive.
+        InvalidValue: a weight that is not positive, a negative velocity_damping.
     """
 
     regularization: float = 1e-2  # [-] w: weight on nu'_i (ghc) or damping |x|^2 per level
@@ -40,6 +46,7 @@ class FormulationSettings:
     metric_ratio: float = 1e3  # [-] kappa: what yields between two levels under active bounds
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
+    hqp_damps_velocity: bool = False  # hqp damps x + kd v like the others, instead of x
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
@@ -93,12 +100,30 @@ class Formulation(ABC):
     """Turns a control problem into accelerations, contact forces and torques."""
 
     name: str
+    layer_damping: float = 0.0  # [-] where the settings leave it open
     blends: bool = False  # answers each candidate of a mixture: can keep a torque-rate budget
 
     def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
         self.settings = settings
         self.solver = solver
+        self.projector = settings.projector.with_default(self.layer_damping)
 
     @abstractmethod
     def solve(self, problem: ControlProblem) -> Solution:
         """Solve one tick; `status` is FAILED when no answer meets the hard rows."""
+
+    def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
+        """What transitions must keep, by default a solution of eq. 13b.
+
+        Args:
+            jacobian: (m, d) rows of all tasks in the accelerations that keep the contacts.
+            starts: (k + 1,) first row of each task.
+        """
+
+        def measure(alpha: Array) -> float:
+            if (alpha.sum(axis=1) == 0.0).any():
+                return 1.0  # a projector that is the identity is enough
+            projectors = generalized_projectors(jacobian, starts, alpha, self.projector)
+            return smallest_singular_value(projectors)
+
+        return Solvability(measure, along_ramp=not self.blends)

@@ -23,6 +23,10 @@ class CondensedGhc(Formulation):
 
     With x = sum_i P_i nu'_i fixed, the least cost of the nu'_i is w/2 (x - x0)^T G^-1 (x - x0).
     L L^T = G and x = x0 + L s leave 1/2 |s|^2 over n variables, and no QP where x0 is feasible.
+
+    Accelerations are measured from -kd v: x = -kd v + sum_i P_i nu'_i, which damps one task by
+    w |x + kd v|^2 and leaves motions that no task claims at x = -kd v. velocity_damping = 0, or
+    v = 0, is the paper's own QP.
     """
 
     name = "ghc"
@@ -31,15 +35,17 @@ class CondensedGhc(Formulation):
         """See Formulation.solve."""
         settings = self.settings
         reduced = reduce_contacts(problem)
-        x0, projectors = ghc_target(
+        origin, target = reduced.about_rest(settings.velocity_damping)
+        moved, projectors = ghc_target(
             reduced.jacobian,
-            reduced.target,
+            target,
             problem.starts,
             problem.alpha,
             settings.regularization,
-            settings.projector.rank_tolerance,
-            settings.projector.layer_damping,
+            self.projector.rank_tolerance,
+            self.projector.layer_damping,
         )
+        x0 = origin + moved
         unweighted = settings.torque_regularization is TorqueRegularization.NONE
         answer = unbounded_answer(reduced, x0) if unweighted else None
         if answer is not None:
@@ -50,14 +56,14 @@ class CondensedGhc(Formulation):
             problem.alpha,
             projectors,
             settings.regularization,
-            settings.projector.layer_damping,
+            self.projector.layer_damping,
         )
         scale = float(np.sqrt(settings.regularization))
         parametrization = Parametrization.whitened(x0, factor, problem.contacts, scale)
         if unweighted:
-            return solve_qp(reduced, parametrization, self.solver, settings)
+            return solve_qp(reduced, parametrization, self.solver)
         weighted = _with_torque_cost(reduced, parametrization, settings)
-        return solve_bounded(reduced, weighted, self.solver, settings)
+        return solve_bounded(reduced, weighted, self.solver)
 
 
 def torque_reference(reduced: ReducedProblem, settings: FormulationSettings) -> Array:

@@ -17,6 +17,7 @@ class FullGhc(Formulation):
     """Eq. 13 of the GHC paper over (nu'_1 .. nu'_k, f); tau follows from (13b).
 
     Reference for the condensed form in tests and benchmarks: k times the variables, same answer.
+    As there x = -kd v + sum_i P_i nu'_i; velocity_damping = 0 is the paper's own QP.
     """
 
     name = "ghc_full"
@@ -26,8 +27,9 @@ class FullGhc(Formulation):
         settings = self.settings
         reduced = reduce_contacts(problem)
         projectors = generalized_projectors(
-            reduced.jacobian, problem.starts, problem.alpha, settings.projector
+            reduced.jacobian, problem.starts, problem.alpha, self.projector
         )
+        origin, target = reduced.about_rest(settings.velocity_damping)
         k, d = projectors.shape[0], projectors.shape[1]
         contact_rows = reduced.torque_force.shape[1]
         size = k * d + contact_rows
@@ -37,7 +39,7 @@ class FullGhc(Formulation):
             rows = reduced.jacobian[problem.starts[i] : problem.starts[i + 1]]
             block = slice(i * d, (i + 1) * d)
             hessian[block, block] = rows.T @ rows + settings.regularization * np.eye(d)
-            gradient[block] = -rows.T @ reduced.target[problem.starts[i] : problem.starts[i + 1]]
+            gradient[block] = -rows.T @ target[problem.starts[i] : problem.starts[i + 1]]
         acceleration_factor = np.zeros((d, size))
         acceleration_factor[:, : k * d] = np.hstack(list(projectors))
         force_factor, center = np.zeros((contact_rows, size)), np.zeros(contact_rows)
@@ -50,8 +52,8 @@ class FullGhc(Formulation):
                 reduced.torque_matrix @ acceleration_factor + reduced.torque_force @ force_factor
             )
             offset = reduced.torque_offset + reduced.torque_force @ center
-            offset = offset - torque_reference(reduced, settings)
+            offset = offset + reduced.torque_matrix @ origin - torque_reference(reduced, settings)
             hessian += settings.torque_weight * tau_factor.T @ tau_factor
             gradient += settings.torque_weight * tau_factor.T @ offset
-        parametrization = Parametrization(np.zeros(d), acceleration_factor, center, force_factor)
-        return solve_qp(reduced, parametrization, self.solver, settings, hessian, gradient)
+        parametrization = Parametrization(origin, acceleration_factor, center, force_factor)
+        return solve_qp(reduced, parametrization, self.solver, hessian, gradient)

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import solve_bounded
+from ghc_controller.formulations.bounded_qp import solve_qp
+from ghc_controller.formulations.force_center import balanced_contacts
 from ghc_controller.formulations.formulation import Formulation, Solution, SolutionStatus
 from ghc_controller.formulations.level_answers import (
+    UPPER_FORCE_WEIGHT,
+    free_answer,
     keep_feasible,
     keeps_bounds,
     reduced_acceleration,
     rows_of,
 )
 from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import reduce_contacts
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.small_factors import inverse_factor
@@ -24,9 +26,16 @@ class Hqp(Formulation):
     """Cascade of damped least squares with all bounds at every level (baseline of the paper).
 
     Level l: min |J_l (x + Z u) - b_l|^2 + w |u|^2 subject to the bounds; then x += Z u and Z
-    becomes the null space of J_l Z, with singular values below `rank_tolerance` of the largest
-    taken as zero. It has no continuous priorities: alpha > 1/2 counts as "above", so that a
-    ramp switches at its middle and a transition of duration 0 switches at once.
+    becomes the null space of J_l Z. What is chosen here:
+
+    - Rank: singular values of J_l Z below `rank_tolerance` (1e-4) of the largest are zero.
+    - Damping: w |u|^2 pulls accelerations to 0, as in the literature; with `hqp_damps_velocity`
+      x starts at -kd v, which pulls them there as the other formulations do.
+    - Contact forces follow the accelerations at least cost; their own cost belongs to the last
+      level and counts UPPER_FORCE_WEIGHT^2 of that in those before.
+
+    It has no continuous priorities: alpha > 1/2 counts as "above", so that a ramp switches at its
+    middle and a transition of duration 0 switches at once.
     """
 
     name = "hqp"
@@ -34,12 +43,14 @@ class Hqp(Formulation):
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         settings = self.settings
-        reduced = reduce_contacts(problem)
-        d = reduced.jacobian.shape[1]
-        y, null = np.zeros(d), np.eye(d)
+        reduced, forces = balanced_contacts(reduce_contacts(problem))
+        y, null = np.zeros(reduced.jacobian.shape[1]), np.eye(reduced.jacobian.shape[1])
+        if settings.hqp_damps_velocity:
+            y, _ = reduced.about_rest(settings.velocity_damping)
         answer: Solution | None = None
         worst = SolutionStatus.SOLVED
-        for level in levels(problem.alpha):
+        order = levels(problem.alpha)
+        for depth, level in enumerate(order):
             if null.shape[1] == 0:
                 break
             index = rows_of(problem.starts, level)
@@ -47,11 +58,15 @@ class Hqp(Formulation):
             local = rows @ null
             hessian = local.T @ local + settings.regularization * np.eye(null.shape[1])
             factor = inverse_factor(hessian)
-            best = factor @ (factor.T @ (local.T @ (target - rows @ y)))
-            parametrization = Parametrization.whitened(
-                y + null @ best, np.ascontiguousarray(null @ factor), problem.contacts
-            )
-            found = solve_bounded(reduced, parametrization, self.solver, settings)
+            best = y + null @ (factor @ (factor.T @ (local.T @ (target - rows @ y))))
+            below = null @ _null_space(local, settings.rank_tolerance)
+            found = free_answer(reduced, forces, best)
+            if found is None:
+                is_last = depth + 1 == len(order) or below.shape[1] == 0
+                weight = 1.0 if is_last else UPPER_FORCE_WEIGHT
+                whitened = np.ascontiguousarray(null @ factor)
+                parametrization = forces.parametrization(reduced, best, whitened, weight)
+                found = solve_qp(reduced, parametrization, self.solver)
             if answer is None and found.status is SolutionStatus.FAILED:
                 return found
             if answer is not None and not keeps_bounds(problem, worst, found):
@@ -67,8 +82,7 @@ class Hqp(Formulation):
                 reason=first.reason,
             )
             y = reduced_acceleration(reduced, found.acceleration)
-            reduced = keep_feasible(reduced, found)
-            null = null @ _null_space(local, settings.rank_tolerance)
+            reduced, null = keep_feasible(reduced, found), below
         if answer is None:
             raise ValueError("hqp needs at least one active task")
         return answer._replace(status=worst)

@@ -1,4 +1,4 @@
-"""Compiled inner loops of the formulations: projected targets and metrics.
+"""Compiled inner loops of the projector formulations: their targets, metrics and systems.
 
 Letters: J_i, b_i rows of task i; P_i its generalized projector; w the regularisation; k tasks,
 m rows, d (reduced) accelerations.
@@ -88,6 +88,34 @@ def ghc_factor(
 
 
 @njit(cache=True)
+def balanced_system(
+    jacobian: Array,
+    starts: Starts,
+    alpha: Array,
+    w: float,
+    rank_tolerance: float,
+    layer_damping: float,
+) -> tuple[Array, Array]:  # pragma: no cover
+    """A = sum P_i J_i^T J_i + w I (d, d), and the projectors (k, d, d)."""
+    k, d = alpha.shape[0], jacobian.shape[1]
+    projectors = np.empty((k, d, d))
+    write_projectors(jacobian, starts, alpha, rank_tolerance, layer_damping, projectors)
+    system = np.zeros((d, d))
+    for r in range(d):
+        system[r, r] = w
+    for i in range(k):
+        if alpha[i, i] >= 1.0:
+            continue  # removed: P_i J_i^T = 0
+        rows = jacobian[starts[i] : starts[i + 1]]
+        is_selection, values = selected_values(rows)
+        if is_selection:
+            system += projectors[i] * (values * values)
+        else:
+            system += (rows @ projectors[i]).T @ rows
+    return system, projectors
+
+
+@njit(cache=True)
 def balanced_target(
     jacobian: Array,
     target: Array,
@@ -98,31 +126,21 @@ def balanced_target(
     layer_damping: float,
     guard: float,
 ) -> tuple[Array, float]:  # pragma: no cover
-    """x* (d,) of [sum P_i J_i^T J_i + w I] x* = sum P_i J_i^T b_i, and a bound on sigma_min.
+    """x* (d,) of A x* = sum P_i J_i^T b_i (`balanced_system`), and a bound on sigma_min(A).
 
-    The system is not symmetric: intransitive priority networks can bring it near singularity.
-    Below `guard` (on 1 / |A^-1|_F <= sigma_min) a damping enters that grows from zero, so that
-    x* stays bounded and continuous.
+    A is not symmetric: intransitive priority networks can bring it near singularity. Below
+    `guard` (on 1 / |A^-1|_F <= sigma_min) a damping enters that grows from zero, so that x* stays
+    bounded.
     """
-    k, d = alpha.shape[0], jacobian.shape[1]
-    projectors = np.empty((k, d, d))
-    write_projectors(jacobian, starts, alpha, rank_tolerance, layer_damping, projectors)
-    system = np.zeros((d, d))
+    d = jacobian.shape[1]
+    system, projectors = balanced_system(jacobian, starts, alpha, w, rank_tolerance, layer_damping)
     right = np.zeros(d)
-    for r in range(d):
-        system[r, r] = w
-    for i in range(k):
-        if alpha[i, i] >= 1.0:
-            continue  # removed: P_i J_i^T = 0
-        rows = jacobian[starts[i] : starts[i + 1]]
-        pull = np.zeros(d)
-        add_combination(target[starts[i] : starts[i + 1]], rows, pull)
-        add_combination(pull, projectors[i], right)
-        is_selection, values = selected_values(rows)
-        if is_selection:
-            system += projectors[i] * (values * values)
-        else:
-            system += (rows @ projectors[i]).T @ rows
+    for i in range(alpha.shape[0]):
+        if alpha[i, i] < 1.0:
+            pull = np.zeros(d)
+            rows = jacobian[starts[i] : starts[i + 1]]
+            add_combination(target[starts[i] : starts[i + 1]], rows, pull)
+            add_combination(pull, projectors[i], right)
     inverse = system.copy()
     sigma = 0.0
     if invert(inverse):
@@ -133,44 +151,3 @@ def balanced_target(
     for r in range(d):
         normal[r, r] += guard * guard - sigma * sigma
     return solve_factored(cholesky(normal), system.T @ right), sigma
-
-
-@njit(cache=True)
-def priority_weights(alpha: Array, ratio: float) -> Array:  # pragma: no cover
-    """gamma_i = (1 - alpha_ii) ratio^(s_i), s_i = sum_j alpha_ji over active j != i; (k,)."""
-    k = alpha.shape[0]
-    weights = np.zeros(k)
-    for i in range(k):
-        dominated = 0.0
-        for j in range(k):
-            if j != i:
-                dominated += (1.0 - alpha[j, j]) * alpha[j, i]
-        weights[i] = (1.0 - alpha[i, i]) * ratio**dominated
-    return weights
-
-
-@njit(cache=True)
-def weighted_system(
-    jacobian: Array, target: Array, starts: Starts, alpha: Array, ratio: float, damping: float
-) -> tuple[Array, Array]:  # pragma: no cover
-    """H = sum_i gamma_i J_i^T J_i + damping I, (d, d), and sum_i gamma_i J_i^T b_i, (d,).
-
-    The weights gamma_i are `priority_weights` with this ratio.
-    """
-    d = jacobian.shape[1]
-    weights = priority_weights(alpha, ratio)
-    hessian = np.zeros((d, d))
-    right = np.zeros(d)
-    for r in range(d):
-        hessian[r, r] = damping
-    for i in range(weights.shape[0]):
-        if weights[i] > 0.0:
-            rows = jacobian[starts[i] : starts[i + 1]]
-            is_selection, values = selected_values(rows)
-            if is_selection:
-                for r in range(d):
-                    hessian[r, r] += weights[i] * values[r] * values[r]
-            else:
-                hessian += (weights[i] * rows).T @ rows
-            add_combination(weights[i] * target[starts[i] : starts[i + 1]], rows, right)
-    return hessian, right

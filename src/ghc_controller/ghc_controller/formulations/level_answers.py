@@ -7,6 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ghc_controller.formulations.bounded_qp import bounded_answer
+from ghc_controller.formulations.cascade_kernels import BALANCED
+from ghc_controller.formulations.force_center import ForceCenter
 from ghc_controller.formulations.formulation import Solution, SolutionStatus
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.reduction import ReducedProblem
@@ -15,6 +18,7 @@ from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.qp import VIOLATION_TOLERANCE
 from ghc_controller.types import Array, Bounds
 
+UPPER_FORCE_WEIGHT = 1e-4  # [-] root of the weight on forces above the last level
 _KEEP_FEASIBLE = 2e-8  # [rad/s^2], [Nm], [N] widening that keeps the answer of the level above
 
 
@@ -28,6 +32,16 @@ def reduced_acceleration(reduced: ReducedProblem, x: Array) -> Array:
     if reduced.basis is None or reduced.offset is None:
         return x
     return reduced.basis.T @ (x - reduced.offset)
+
+
+def free_answer(reduced: ReducedProblem, forces: ForceCenter, y: Array) -> Solution | None:
+    """Answer of accelerations y (d,) and the forces for them, if they meet every bound."""
+    force = forces.at(reduced, y)
+    left = forces.residual - reduced.balance_matrix @ y
+    open_ = left - reduced.balance_force @ (force - forces.center)
+    if np.abs(open_).max(initial=0.0) > BALANCED:
+        return None
+    return bounded_answer(reduced, y, force)
 
 
 def keep_feasible(reduced: ReducedProblem, found: Solution) -> ReducedProblem:

@@ -38,6 +38,15 @@ class ReducedProblem(NamedTuple):
             return y
         return self.offset + self.basis @ y
 
+    def about_rest(self, kd: float) -> tuple[Array, Array]:
+        """Origin y_0 (d,) of accelerations -kd v [1/s], and b - J y_0 (m,).
+
+        Damping of y - y_0 brings motions that no task claims to rest.
+        """
+        brake = -kd * self.source.velocity
+        origin = brake if self.basis is None else self.basis.T @ brake
+        return origin, self.target - self.jacobian @ origin
+
     def answer(self, y: Array, force: Array) -> tuple[Array, Array]:
         """Accelerations (n,) and torques (a,) of y (d,) and contact forces (c,) in contact."""
         return contact_answer(
@@ -96,6 +105,14 @@ def reduce_contacts(problem: ControlProblem) -> ReducedProblem:
         -torque_offset[:u],
         problem,
     )
+
+
+def kept_by_contacts(jacobian: Array, contact_jacobian: Array) -> Array:
+    """(m, d) task rows (m, n) in the accelerations that contact rows (q, n) leave."""
+    m, n = jacobian.shape
+    offset, basis = null_motion(contact_jacobian, np.zeros(contact_jacobian.shape[0]))
+    nothing = np.zeros((0, n))
+    return reduced_terms(jacobian, np.zeros(m), nothing, np.zeros(0), nothing, offset, basis)[0]
 
 
 def null_motion(rows: Array, target: Array) -> tuple[Array, Array]:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from ghc_controller.formulations.bounded_qp import solve_bounded
 from ghc_controller.formulations.formulation import Formulation, Solution
-from ghc_controller.formulations.kernels import weighted_system
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import reduce_contacts
+from ghc_controller.formulations.weight_kernels import weighted_system
 from ghc_controller.small_factors import inverse_factor
+
+_LARGEST_WEIGHT = 1e6  # [-] of a task; ratio^s would be 1e18 for ten tasks
 
 
 class Weighted(Formulation):
     """Eq. 12 of the GHC paper with omega_i = (1 - alpha_ii) ratio^(s_i).
 
-    s_i = sum_j alpha_ji counts the tasks that i dominates: continuous in alpha, never strict.
+    s_i = sum_j alpha_ji counts the tasks that i dominates: continuous in alpha, never strict. With
+    many tasks the ratio is less than weight_ratio, so that no weight exceeds 1e6.
+    Damping is w |x + kd v|^2.
     """
 
     name = "weighted"
@@ -23,15 +27,17 @@ class Weighted(Formulation):
         """See Formulation.solve."""
         settings = self.settings
         reduced = reduce_contacts(problem)
+        origin, target = reduced.about_rest(settings.velocity_damping)
         hessian, right = weighted_system(
             reduced.jacobian,
-            reduced.target,
+            target,
             problem.starts,
             problem.alpha,
             settings.weight_ratio,
+            _LARGEST_WEIGHT,
             settings.regularization,
         )
         factor = inverse_factor(hessian)
-        target = factor @ (factor.T @ right)
-        parametrization = Parametrization.whitened(target, factor, problem.contacts)
-        return solve_bounded(reduced, parametrization, self.solver, settings)
+        optimum = origin + factor @ (factor.T @ right)
+        parametrization = Parametrization.whitened(optimum, factor, problem.contacts)
+        return solve_bounded(reduced, parametrization, self.solver)

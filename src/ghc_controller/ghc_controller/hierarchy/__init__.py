@@ -8,6 +8,7 @@ from ghc_controller.hierarchy.projector import (
     generalized_projectors,
     smallest_singular_value,
 )
+from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.hierarchy.transition import Profile, Transition
 from ghc_controller.hierarchy.transition_schedule import (
     TransitionEvent,
@@ -21,6 +22,7 @@ __all__ = [
     "PriorityMatrix",
     "Profile",
     "ProjectorSettings",
+    "Solvability",
     "Transition",
     "TransitionEvent",
     "TransitionPhase",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -15,7 +15,7 @@ from ghc_controller.hierarchy.directions import (
     subtract_direction,
     write_scaled_identity,
 )
-from ghc_controller.small_factors import damped_factor, divide_rows
+from ghc_controller.hierarchy.soft_null_space import append_rows
 from ghc_controller.types import Array
 
 
@@ -24,28 +24,45 @@ class ProjectorSettings:
     """How linear dependence between task rows is decided."""
 
     rank_tolerance: float = 1e-7  # [-] of a row's norm: what is left of it counts as a direction
-    layer_damping: float = 0.0  # [-] e > 0: damped layers, continuous in q where the rank changes
+    # [-] e > 0: damped layers, continuous in q where the rank changes; None: of the formulation
+    layer_damping: float | None = None
+
+    def with_default(self, layer_damping: float) -> ProjectorSettings:
+        """The same settings, with this damping where none is given."""
+        given = self.layer_damping
+        return replace(self, layer_damping=layer_damping if given is None else given)
 
 
 @njit(cache=True)
-def exact_projectors(
-    jacobian: Array, starts: Starts, alpha: Array, rank_tolerance: float, out: Array
+def write_projectors(
+    jacobian: Array,
+    starts: Starts,
+    alpha: Array,
+    rank_tolerance: float,
+    damping: float,
+    out: Array,
 ) -> None:  # pragma: no cover
-    """P_i = I - B^T A^{r,s} B (eq. 11) by two-pass Gram-Schmidt; writes `out` (k, n, n).
+    """P_i = I - B^T A^{r,s} B (eq. 11); writes `out` (k, n, n).
+
+    Without damping B comes from two-pass Gram-Schmidt. With damping e > 0 it is L^-1 J of
+    L L^T = J J^T + e^2 I over the rows in their order (of rows longer than 1, e in proportion):
+    the first l tasks then give J_l^T (J_l J_l^T + e^2 I)^-1 J_l, which is continuous in q
+    through rank changes.
 
     Tasks with alpha = 0 come last and enter with coefficient 0: they are not looked at. The basis
     of one task is continued for the next one as far as their tasks agree. A posture of all joints
-    completes the basis: its directions are all that is left, which needs no Gram-Schmidt.
+    completes the exact basis: its directions are all that is left, which needs no Gram-Schmidt.
     """
     k, n = alpha.shape[0], jacobian.shape[1]
     dominance = np.zeros(k)
     completes = np.zeros(k, dtype=np.bool_)
     for i in range(k):
         rows = jacobian[starts[i] : starts[i + 1]]
-        completes[i] = rows.shape[0] == n and selected_values(rows)[0]
+        if damping == 0.0:
+            completes[i] = rows.shape[0] == n and selected_values(rows)[0]
         for j in range(k):
             dominance[j] += alpha[i, j]
-    basis = np.empty((n, n))
+    basis = np.empty((max(n, jacobian.shape[0]), n))
     chain = np.empty(k, dtype=np.int64)  # tasks whose directions are in the basis
     rank_after = np.zeros(k + 1, dtype=np.int64)  # of the first 0 .. k tasks of the chain
     length = 0
@@ -62,8 +79,10 @@ def exact_projectors(
         for position in range(shared, above):
             task = order[position]
             rank = rank_after[position]
-            if not completes[task]:
-                first, last = starts[task], starts[task + 1]
+            first, last = starts[task], starts[task + 1]
+            if damping > 0.0:
+                rank = append_rows(jacobian[first:last], damping, basis, rank)
+            elif not completes[task]:
                 rank = add_directions(jacobian, first, last, rank_tolerance, basis, rank)
             rank_after[position + 1] = rank
             chain[position] = task
@@ -76,52 +95,6 @@ def exact_projectors(
             weight = alpha[i, order[position]] - rest
             for b in range(rank_after[position], rank_after[position + 1]):
                 subtract_direction(weight, basis[b], out[i])
-
-
-@njit(cache=True)
-def damped_projector(
-    jacobian: Array, starts: Starts, alpha_row: Array, damping: float, out: Array
-) -> None:  # pragma: no cover
-    """P_i = I - sum_l (a_(l) - a_(l+1)) Pi_l with damped layers, written to the (n, n) `out`.
-
-    Pi_l = J_l^T (J_l J_l^T + e^2 I)^-1 J_l over the first l tasks sorted by alpha: the layer-cake
-    form of eq. 11 in which the range projectors are continuous in q through rank changes.
-    """
-    n = jacobian.shape[1]
-    write_scaled_identity(1.0, out)
-    order = descending_order(alpha_row, alpha_row)
-    k = alpha_row.shape[0]
-    stacked = np.empty((jacobian.shape[0], n))
-    rows = 0
-    for level in range(k):
-        task = order[level]
-        for row in range(starts[task], starts[task + 1]):
-            for d in range(n):
-                stacked[rows, d] = jacobian[row, d]
-            rows += 1
-        following = alpha_row[order[level + 1]] if level + 1 < k else 0.0
-        share = alpha_row[task] - following
-        if share > 0.0 and rows > 0:
-            layer = stacked[:rows].copy()
-            divide_rows(damped_factor(stacked[:rows], damping * damping), layer)
-            out -= share * (layer.T @ layer)
-
-
-@njit(cache=True)
-def write_projectors(
-    jacobian: Array,
-    starts: Starts,
-    alpha: Array,
-    rank_tolerance: float,
-    damping: float,
-    out: Array,
-) -> None:  # pragma: no cover
-    """Generalized projectors of all tasks, (k, n, n), by the form that the settings ask for."""
-    if damping > 0.0:
-        for i in range(alpha.shape[0]):
-            damped_projector(jacobian, starts, alpha[i], damping, out[i])
-    else:
-        exact_projectors(jacobian, starts, alpha, rank_tolerance, out)
 
 
 def generalized_projectors(
@@ -149,7 +122,7 @@ def generalized_projectors(
         np.asarray(starts, dtype=np.int64),
         np.ascontiguousarray(alpha, dtype=np.float64),
         settings.rank_tolerance,
-        settings.layer_damping,
+        settings.layer_damping or 0.0,
         result,
     )
     return result

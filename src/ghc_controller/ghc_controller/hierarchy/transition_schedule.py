@@ -8,14 +8,12 @@ from enum import Enum
 
 import numpy as np
 
-from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
 from ghc_controller.hierarchy.ramp import PacedPriorities, Ramp
+from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.hierarchy.transition import Transition
 from ghc_controller.types import Array
-
-_RAMP_SAMPLES = 9  # matrices looked at between start and target of a requested ramp
 
 
 class TransitionPhase(Enum):
@@ -39,8 +37,8 @@ class TransitionEvent:
 class TransitionSchedule:
     """Holds the matrix in force; the newest transition replaces the whole target.
 
-    `smallest_singular_value(alpha)` is that of [P_1 .. P_k] at the present configuration: below
-    `tolerance` eq. 13b of the GHC paper has no solution and the transition is refused.
+    `smallest_singular_value(alpha)` is that of [P_1 .. P_k] at the present configuration, which
+    is reported. `solvability()` says what is refused there; left out, it looks at that value.
     """
 
     tasks: tuple[str, ...]
@@ -52,11 +50,11 @@ class TransitionSchedule:
         self,
         initial: PriorityMatrix,
         smallest_singular_value: Callable[[Array], float],
-        tolerance: float = 1e-3,
+        solvability: Callable[[], Solvability] | None = None,
     ) -> None:
         self._initial = initial
         self._sigma = smallest_singular_value
-        self._tolerance = tolerance
+        self._solvability = solvability or (lambda: Solvability(smallest_singular_value))
         self.reset()
 
     def reset(self) -> None:
@@ -110,27 +108,14 @@ class TransitionSchedule:
         return self._running is None and not self._pending
 
     def check_solvable(self, transition: Transition) -> float:
-        """Smallest singular value of [P_1 .. P_k] on the whole ramp.
+        """Least solvability from the matrix before this transition to its target.
 
         Raises:
-            InvalidValue: it falls below the tolerance (eq. 13b unsolvable).
+            InvalidValue: it falls below what is expected.
         """
         before = [t for t in self._pending if t.start <= transition.start]
         start = before[-1].target.alpha if before else self.alpha
-        goal = transition.target.alpha
-        smallest = self._sigma(goal)
-        free_rows = (start.sum(axis=1) == 0.0) & (goal.sum(axis=1) == 0.0)
-        if not free_rows.any():  # no projector stays the identity all the way: look at the ramp
-            ramp = np.linspace(0.0, 1.0, _RAMP_SAMPLES)
-            smallest = min(smallest, *(self._sigma(start + s * (goal - start)) for s in ramp))
-        if not smallest >= self._tolerance:
-            raise InvalidValue(
-                "the equation of motion (13b) would be unsolvable: smallest singular value of "
-                f"[P_1 .. P_k] {smallest:.1e} on the ramp, at least {self._tolerance:.0e} "
-                "expected; leave one task that no other restricts (a row of zeros) among "
-                f"{', '.join(self.tasks)}"
-            )
-        return smallest
+        return self._solvability().check(start, transition.target.alpha, self.tasks)
 
     def add(self, transition: Transition, now: float) -> list[TransitionEvent]:
         """Accept a checked transition; one due now starts at the next `advance`."""

@@ -1,0 +1,43 @@
+"""Which priority matrices a schedule accepts: those that leave the formulation one answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ghc_controller.errors import InvalidValue
+from ghc_controller.types import Array
+
+_RAMP_SAMPLES = 9  # matrices looked at on a requested ramp, its target among them
+
+
+class Solvability(NamedTuple):
+    """A measure of matrices (k, k) at the present configuration, and what it must not fall below.
+
+    It is negative beyond a singularity, so that a ramp that crosses one between two samples is
+    seen too.
+    """
+
+    measure: Callable[[Array], float]  # [-]
+    least: float = 1e-3
+    meaning: str = (
+        "the equation of motion (13b) would be unsolvable: smallest singular value of [P_1 .. P_k]"
+    )
+    advice: str = "leave one task that no other restricts (a row of zeros)"
+    along_ramp: bool = True  # False: matrices between start and target are never answered
+
+    def check(self, start: Array, target: Array, tasks: tuple[str, ...]) -> float:
+        """Least measure from `start` (which is in force anyway) to `target`.
+
+        Raises:
+            InvalidValue: it falls below `least`.
+        """
+        count = _RAMP_SAMPLES if self.along_ramp else 1
+        shares = [(sample + 1) / count for sample in range(count)]
+        smallest = min(self.measure(start + share * (target - start)) for share in shares)
+        if not smallest >= self.least:
+            raise InvalidValue(
+                f"{self.meaning} {smallest:.1e} on the ramp, at least {self.least:.0e} expected; "
+                f"{self.advice} among {', '.join(tasks)}"
+            )
+        return smallest
