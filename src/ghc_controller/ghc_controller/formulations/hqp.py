@@ -51,8 +51,9 @@ class Hqp(Formulation):
         worst = SolutionStatus.SOLVED
         order = levels(problem.alpha)
         for depth, level in enumerate(order):
-            if null.shape[1] == 0:
-                break
+            is_last = depth + 1 == len(order)
+            if null.shape[1] == 0 and not (is_last and forces.free.shape[1]):
+                continue  # no motion is left; the last level still chooses the forces
             index = rows_of(problem.starts, level)
             rows, target = reduced.jacobian[index], reduced.target[index]
             local = rows @ null
@@ -62,7 +63,6 @@ class Hqp(Formulation):
             below = null @ _null_space(local, settings.rank_tolerance)
             found = free_answer(reduced, forces, best)
             if found is None:
-                is_last = depth + 1 == len(order) or below.shape[1] == 0
                 weight = 1.0 if is_last else UPPER_FORCE_WEIGHT
                 whitened = np.ascontiguousarray(null @ factor)
                 parametrization = forces.parametrization(reduced, best, whitened, weight)
@@ -89,6 +89,8 @@ class Hqp(Formulation):
 
 
 def _null_space(rows: Array, rank_tolerance: float) -> Array:
+    if rows.shape[1] == 0:
+        return np.zeros((0, 0))
     _, sigma, right = np.linalg.svd(rows, full_matrices=True)
     rank = int(np.sum(sigma > rank_tolerance * max(float(sigma[0]), 1e-300)))
     return right[rank:].T
