@@ -42,7 +42,7 @@ class Way:
 
 def follow(controller: Controller, case: Case, duration: float, torque_rate: float) -> Way:
     """Ramp linearly over `duration` [s], or as the budget `torque_rate` [Nm/s] asks."""
-    step = _begin(controller, case)
+    step = begin_case(controller, case)
     names = controller.robot.task_names
     start, schedule = round(case.lead / PERIOD) * PERIOD, controller.priorities
     target = PriorityMatrix(names, strict_matrix(case.goal, len(names)))
@@ -86,7 +86,7 @@ def shortest(controller: Controller, case: Case, budget: float, about: float) ->
 
 def whole_change(controller: Controller, case: Case) -> float:
     """[Nm] by which the answers of the two orders differ at the start of the ramp."""
-    step = _begin(controller, case)
+    step = begin_case(controller, case)
     for tick in range(round(case.lead / PERIOD) + 1):
         step(tick * PERIOD)
     problem, k = controller.problem(), len(controller.robot.task_names)
@@ -98,7 +98,7 @@ def whole_change(controller: Controller, case: Case) -> float:
     return float(np.abs(answers[1] - answers[0]).max())
 
 
-def _begin(controller: Controller, case: Case) -> Callable[[float], Array]:
+def begin_case(controller: Controller, case: Case) -> Callable[[float], Array]:
     """Put the controller at the start of a case; a function that makes one step."""
     names, model = controller.robot.task_names, controller.model
     controller.reset()

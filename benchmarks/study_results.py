@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.studies import Study
+from benchmarks.studies import Study, StudyWithFigure
 from ghc_controller.types import Array
+from ghc_sim_bridge.markdown import picture
 
 _DIGITS = 4  # significant
 _INTRODUCTION = """# Studies
@@ -80,12 +81,18 @@ def shown_spread(values: Mapping[str, float | None]) -> str:
 
 
 def write_document(folder: Path, studies: Mapping[str, Study]) -> None:
-    """Write <folder>.md from the results in the folder; nothing without results."""
+    """Write <folder>.md from the results in the folder; nothing without results.
+
+    Figures go to figures/ beside it.
+    """
     parts = [_INTRODUCTION]
     for name, study in studies.items():
         path = folder / f"{name}.json"
         if path.exists():
             result = json.loads(path.read_text(encoding="utf-8"))
             parts.append(f"## {study.TITLE}\n\n`{name}`. {study.table(result)}\n")
+            if isinstance(study, StudyWithFigure):
+                study.plot(result, folder.parent / "figures" / study.FIGURE)
+                parts.append(picture(study.FIGURE, study.CAPTION) + "\n")
     if len(parts) > 1:
         folder.with_suffix(".md").write_text("\n".join(parts), encoding="utf-8")

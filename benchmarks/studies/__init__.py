@@ -2,14 +2,16 @@
 
 A study has NAME, TITLE, FORMULATIONS (those it is about), `run(quick, formulations)`, which
 returns {"facts": sizes and seeds, "formulations": {name: figures}}, all JSON values, and
-`table(result)`, Markdown with a sentence that says what the figures are.
+`table(result)`, Markdown with a sentence that says what the figures are. One with a figure has
+FIGURE and CAPTION as well, and `plot(result, path)`.
 """
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-from typing import Any, Protocol
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
 
 
 class Study(Protocol):
@@ -24,6 +26,17 @@ class Study(Protocol):
 
     def table(self, result: dict[str, Any]) -> str:
         """Markdown of a stored result."""
+
+
+@runtime_checkable
+class StudyWithFigure(Study, Protocol):
+    """What the module of a study with a figure offers."""
+
+    FIGURE: str  # file name
+    CAPTION: str
+
+    def plot(self, result: dict[str, Any], path: Path) -> None:
+        """Draw a stored result."""
 
 
 def load_studies() -> dict[str, Study]:
