@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from benchmarks.loop_bench import FORMULATION
 from benchmarks.mpc_section import tick_section
 from benchmarks.soak_section import keep_soak_section
 from benchmarks.standing_bench import standing_section
@@ -44,14 +45,16 @@ _CASES = """## What is compared
   steps, numbers of tasks and regimes several times in all, in random order, so that what else the
   machine does hits all alike.
 - **No bound active.** Joint position, velocity and torque limits are evaluated and none is
-  reached. The condensed formulations then need no QP. `ghc_full` solves its QP all the same: it
-  is the paper's eq. 13 as it stands.
+  reached. The condensed formulations, `cascade` and `hqp` then need no QP. `ghc_full` solves its
+  QP all the same: it is the paper's eq. 13 as it stands.
 - **Torque bounds active.** A bound about gravity of {share:.0f} % of the largest torque that the
   tasks asked for without it, per joint. How many bounds are active on average (met to 1e-6, which
   ProxQP's answers often miss) stands in the tables. The torque rate limit is off in both.
 - **Formulations.** `ghc_full`: one variable nu'_i per task. `ghc`: the same optimum, condensed and
-  whitened. `balanced` (the default), `weighted`, and `hqp`, a cascade with all bounds at every
-  level. Solvers: DAQP (the default; exact active set) and, where it says so, ProxQP.
+  whitened. `balanced` and `weighted`; `cascade` (the default), level after level in smooth null
+  spaces, with a QP only where the optimum of a level is beyond a bound; and `hqp`, a cascade with
+  all bounds at every level. Solvers: DAQP (the default; exact active set) and, where
+  it says so, ProxQP.
 - **Settings.** w = 1e-2, control period 1 ms, one thread for linear algebra.
 """
 
@@ -60,9 +63,9 @@ _NOTES = """## What to keep in mind
 - The model and everything around it cost the same for all and belong to the step: they bound the
   ratio from above, the more so on a small robot. The ratio of the solves alone is larger.
 - `ghc_full` and `hqp` assemble their matrices in NumPy, `ghc`, `balanced` and `weighted` in
-  compiled kernels; rows of the QP, solvers and checks are the same code for all. A compiled
-  cascade would be several times faster than `hqp` here: it stands for the same language and the
-  same solver, not for the best HQP there is.
+  compiled kernels, as does `cascade` where no bound is reached; rows of the QP, solvers and
+  checks are the same code for all. A compiled cascade of QPs would be several times faster than
+  `hqp` here: it stands for the same language and the same solver, not for the best HQP there is.
 - With more than ten rows active DAQP starts from the active set of the step before. This helps
   where bounds stay active for many steps, as here, and costs nothing where they do not.
 - In a transition more tasks restrict each other: the projectors take about twice as long.
@@ -131,7 +134,7 @@ def _step(results: dict[str, Any]) -> list[str]:
     parts.append(
         "Medians in microseconds. "
         + "; ".join(f"{name}: {meaning}" for name, meaning in PARTS.items())
-        + ".\n"
+        + ". The last columns are means per step: QPs and their pivots (iterations of ProxQP).\n"
     )
     for robot in robots_of(step):
         for regime in REGIMES:
@@ -143,10 +146,10 @@ def _step(results: dict[str, Any]) -> list[str]:
 def _loop(results: dict[str, Any]) -> str:
     return (
         "## Closed loop over DDS\n\n"
-        "Nodes as processes in lockstep at 1 kHz, KUKA LWR with its three tasks and `balanced`: "
-        "physics, two messages, one control step a cycle. With both generators, the tool is in "
-        "contact by a schedule whose largest force jumps twice a second, and a wall that only "
-        "the sensor sees jumps towards the elbow and away once a second; every 10 ms the "
+        "Nodes as processes in lockstep at 1 kHz, KUKA LWR with its three tasks and "
+        f"`{FORMULATION}`: physics, two messages, one control step a cycle. With both generators, "
+        "the tool is in contact by a schedule whose largest force jumps twice a second, and a "
+        "wall that only the sensor sees jumps towards the elbow and away once a second; every 10 ms the "
         "controller waits for both plans. With the fast executor bridge and controller share a "
         "CPU, the other nodes have the rest. The calmest run is the one from which the host of "
         "the virtual machine took the least CPU time.\n\n" + loop_table(results["loop"]) + "\n"

@@ -17,7 +17,7 @@ from ghc_sim_bridge.figure_style import COLOURS, new_figure, save_png, styled
 
 Row = dict[str, Any]
 
-_ORDER = ("ghc_full", "hqp", "weighted", "balanced", "ghc")
+_ORDER = ("ghc_full", "hqp", "weighted", "balanced", "ghc", "cascade")
 _TICKS = (20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000)  # [us]
 
 
@@ -30,7 +30,7 @@ def plot_step_times(step: Sequence[Row], titles: dict[str, str], path: Path) -> 
     for axes, regime in zip(grid, REGIMES, strict=True):
         for ax, robot in zip(axes, robots, strict=True):
             for index, variant in enumerate(variants_of(step)):
-                _draw(ax, rows_of(step, robot, regime, variant), variant, 0.06 * (index - 3))
+                _draw(ax, rows_of(step, robot, regime, variant), variant, 0.06 * (index - 3.5))
             ax.set_title(f"{titles.get(robot, robot)}: {REGIME_TITLES[regime]}")
             ax.set_yscale("log")
             ax.yaxis.set_major_locator(FixedLocator(_TICKS))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from ghc_controller.formulations import DEFAULT_FORMULATION
+
 Row = dict[str, Any]
 
 _TASKS = 5
@@ -12,7 +14,9 @@ _STEP_GOALS = {"kuka_lwr": 100.0, "icub": 250.0}  # [us] median, at most
 _RATIO_GOALS = {"kuka_lwr": 2.0, "icub": 5.0}  # ghc_full over ghc, at least
 _REAL_TIME_GOALS = {False: 1.2, True: 1.0}  # [-] without and with generators, at least
 _STANDING_GOAL = 1000.0  # [us] median, at most
-_CHECKED = ("ghc", "balanced")
+_CHECKED = (DEFAULT_FORMULATION, "ghc", "balanced")
+_OVER_BALANCED = 1.5  # [-] median of the default over that of balanced, no bound active, at most
+_STANDING_CHECKED = (DEFAULT_FORMULATION, "balanced")
 TICK_GOAL = 2000.0  # [us] median tick of a generator, at most
 TICK_COUNT, TICK_HORIZON = 4, 1.5  # with so many contacts or obstacles, N T [s]
 
@@ -46,14 +50,25 @@ def check_goals(
                 if row is not None:
                     what = f"{robot}, {_TASKS} tasks, {formulation}: median step [us]"
                     checked.append(_goal(what, regime, "<=", limit, row["median_us"]))
+        default, balanced = (
+            _find(step, robot, _TASKS, "inactive", formulation, "daqp")
+            for formulation in (DEFAULT_FORMULATION, "balanced")
+        )
+        if default is not None and balanced is not None:
+            what = f"{robot}, {_TASKS} tasks: {DEFAULT_FORMULATION} over balanced"
+            ratio = round(default["median_us"] / balanced["median_us"], 2)
+            checked.append(_goal(what, "inactive", "<=", _OVER_BALANCED, ratio))
     for row in ratios(step):
         if row["tasks"] == _TASKS and row["solver"] == "daqp":
             what = f"{row['robot']}, {_TASKS} tasks: ghc_full over ghc"
             least = _RATIO_GOALS[row["robot"]]
             checked.append(_goal(what, row["regime"], ">=", least, row["full_over_condensed"]))
     for row in standing:
-        if row["tasks"] == _TASKS and row["formulation"] == "balanced":
-            what = f"iCub standing on both feet, {_TASKS} tasks, balanced: median step [us]"
+        if row["tasks"] == _TASKS and row["formulation"] in _STANDING_CHECKED:
+            what = (
+                f"iCub standing on both feet, {_TASKS} tasks, {row['formulation']}: "
+                "median step [us]"
+            )
             checked.append(_goal(what, "", "<=", _STANDING_GOAL, row["median_us"]))
     for row in loop:
         if row["executor"] == "events":

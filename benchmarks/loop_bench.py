@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks import loop_generators
 from benchmarks.pace import Pace, TakenByHost
 from ghc_controller.errors import GhcError
+from ghc_controller.formulations import DEFAULT_FORMULATION
 from ghc_sim_bridge.cpu_placement import lockstep_placement
 from ghc_sim_bridge.experiment_nodes import EXECUTABLES
 from ghc_sim_bridge.full_rate_log import FullRateLog
@@ -22,7 +23,7 @@ from ghc_sim_bridge.processes import NodeProcesses
 from ghc_sim_bridge.ros_domain import DomainLock
 
 SCENE = "kuka_lwr"  # and the robot of that name
-FORMULATION = "balanced"
+FORMULATION = DEFAULT_FORMULATION
 CONTROL_DT = 1e-3  # [s]
 _BRIDGE = "sim_bridge"
 _SETTLING = 500  # [cycles] at the start: discovery, first calls

@@ -12,8 +12,10 @@ from benchmarks.pace import Pace
 from benchmarks.robots import BenchRobot
 from benchmarks.states import Segment, closed_loop, random_goals, torque_bound
 from benchmarks.timed_controller import TimedController, Variant, make_controller
+from ghc_controller.formulations import DEFAULT_FORMULATION
 
 VARIANTS = (
+    Variant("cascade", "daqp"),
     Variant("ghc_full", "daqp"),
     Variant("ghc", "daqp"),
     Variant("balanced", "daqp"),
@@ -23,7 +25,7 @@ VARIANTS = (
     Variant("ghc", "proxqp"),
 )
 REGIMES = ("inactive", "active")  # no bound is reached; torque bounds are
-_DRIVER = Variant("balanced", "daqp")  # makes the states that all variants are timed in
+_DRIVER = Variant(DEFAULT_FORMULATION, "daqp")  # makes the states that all variants are timed in
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,10 +51,12 @@ def parts_table(step: Sequence[Row], robot: str, regime: str, tasks: int) -> str
         for row in rows_of(step, robot, regime, variant):
             if row["tasks"] == tasks:
                 parts = [f"{row['parts_us'][part]:.0f}" for part in PARTS]
-                happened = [f"{row['qp_share'] * 100:.0f} %", f"{row['active_bounds']:.1f}"]
+                happened = [f"{row['qp_share'] * 100:.0f} %"]
+                happened += [f"{row[key]:.1f}" for key in ("qps", "pivots", "active_bounds")]
                 times = [f"{row[key]:.0f}" for key in ("median_us", "cpu_median_us")]
                 lines.append([variant.title, *times, *parts, *happened])
-    return table(["", "step", "CPU", *PARTS, "steps with a QP", "active bounds"], lines)
+    head = ["", "step", "CPU", *PARTS, "steps with a QP", "QPs", "pivots", "active bounds"]
+    return table(head, lines)
 
 
 def ratio_table(ratios: Sequence[Row], robot: str) -> str:

@@ -24,6 +24,7 @@ PARTS = {
     "qp": "solver, and the check of its answer",
     "rest": "output gate, result",
 }
+_OUTCOMES = ("qp_share", "solved_share", "active_bounds", "qps", "pivots")  # means per step
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +48,7 @@ class TimedController:
         self.variant = variant
         self.controller = make_controller(robot, variant, bound)
         self._spent = {"model": 0.0, "qp": 0.0}
+        self._qps = 0  # of the last step that was watched
         for part, owner, name in (
             ("model", self.controller.model, "update"),
             ("qp", self.controller.formulation.solver, "solve_checked"),
@@ -54,16 +56,19 @@ class TimedController:
             setattr(owner, name, self._timed(part, getattr(owner, name)))
         self._samples: list[tuple[float, ...]] = []
         self._cpu_times: list[float] = []
-        self._outcomes: list[tuple[bool, bool, int]] = []
+        self._outcomes: list[tuple[float, ...]] = []  # of each step: see `watch`
 
     def watch(self, segment: Segment) -> None:
         """Step through a segment once, without timing, and note what happens in it."""
         self._begin(segment)
+        solver = self.controller.formulation.solver
         for state in segment.states:
+            self._qps = 0
             result = self.controller.step(state)
+            qps, pivots = self._qps, solver.settings.max_step_pivots - solver.pivots_left
             active = len(self.controller.report().active_constraints)
             solved = result.status is StepStatus.SOLVED
-            self._outcomes.append((result.solution.qp_solved, solved, active))
+            self._outcomes.append((result.solution.qp_solved, solved, active, qps, pivots))
 
     def follow(self, segment: Segment) -> None:
         """Time one step at each state of a segment."""
@@ -75,7 +80,7 @@ class TimedController:
         """Times [us] of all that was followed, and what happened in all that was watched."""
         table = np.array(self._samples) * 1e6
         total = table[:, -1]
-        qp_share, solved_share, active = np.mean(np.array(self._outcomes, dtype=float), axis=0)
+        happened = np.mean(np.array(self._outcomes, dtype=float), axis=0)
         return {
             "formulation": self.variant.formulation,
             "solver": self.variant.solver,
@@ -85,9 +90,7 @@ class TimedController:
             "mean_us": _rounded(np.mean(total)),
             "cpu_median_us": _rounded(np.median(self._cpu_times) * 1e6),
             "parts_us": {part: _rounded(np.median(table[:, i])) for i, part in enumerate(PARTS)},
-            "qp_share": _rounded(qp_share),
-            "solved_share": _rounded(solved_share),
-            "active_bounds": _rounded(active),
+            **dict(zip(_OUTCOMES, map(_rounded, happened), strict=True)),
         }
 
     def _begin(self, segment: Segment) -> None:
@@ -112,6 +115,7 @@ class TimedController:
             start = perf_counter()
             result = function(*arguments)
             self._spent[part] += perf_counter() - start
+            self._qps += part == "qp"
             return result
 
         return call

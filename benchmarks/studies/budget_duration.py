@@ -30,6 +30,7 @@ CAPTION = (
     "two budgets; dotted: end of the transition"
 )
 _BEGIN, _GOAL = "end_effector > elbow > posture", "elbow > end_effector > posture"
+_WAYS = ("standing still", "moving")
 _LEAD = 0.5  # [s] of motion before the swap
 _BUDGETS = tuple(float(f"{b:.3g}") for b in np.geomspace(10.0, 1000.0, 13))  # [Nm/s]
 _CURVES = (30.0, 100.0)  # [Nm/s] whose torques are drawn
@@ -47,7 +48,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
         still = _case(controller)
         moving = replace(still, scene="kuka_lwr", lead=0.01 if quick else _LEAD)
         rows = {}
-        for title, case in (("standing still", still), ("moving", moving)):
+        for title, case in zip(_WAYS, (still, moving), strict=True):
             ways = [follow(controller, case, 0.0, budget) for budget in budgets]
             rows[title] = {
                 "change_nm": whole_change(controller, case),
@@ -99,8 +100,8 @@ def table(result: dict[str, Any]) -> str:
     for name, found in result["formulations"].items():
         ways = found["ways"]
         for index, budget in enumerate(facts["budgets_nm_per_s"]):
-            times = [shown(row["duration_s"][index]) for row in ways.values()]
-            ideal = [f"{row['change_nm'] / budget:.3g}" for row in ways.values()]
+            times = [shown(ways[title]["duration_s"][index]) for title in _WAYS]
+            ideal = [f"{ways[title]['change_nm'] / budget:.3g}" for title in _WAYS]
             lines.append([name, f"{budget:g}", *times, *ideal])
     head = ["formulation", "budget [Nm/s]", "standing still [s]", "moving [s]"]
     head += ["change / budget, standing still [s]", "moving [s]"]
@@ -126,7 +127,9 @@ def plot(result: dict[str, Any], path: Path) -> None:
     found = result["formulations"][FORMULATIONS[0]]
     _draw_durations(left, result["facts"]["budgets_nm_per_s"], found["ways"])
     joint = ""
-    for index, (budget, curve) in enumerate(found["curves"].items()):
+    for index, (budget, curve) in enumerate(
+        sorted(found["curves"].items(), key=lambda entry: float(entry[0]))
+    ):
         joint = curve["joint"]
         right.plot(
             curve["time_s"], curve["torque_nm"], color=colour(index), label=f"{budget} Nm/s"
@@ -139,7 +142,8 @@ def plot(result: dict[str, Any], path: Path) -> None:
 
 
 def _draw_durations(ax: Axes, budgets: list[float], ways: dict[str, Any]) -> None:
-    for index, (title, row) in enumerate(ways.items()):
+    for index, title in enumerate(_WAYS):
+        row = ways[title]
         ax.plot(
             budgets,
             [np.nan if time is None else time for time in row["duration_s"]],

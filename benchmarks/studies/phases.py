@@ -28,11 +28,12 @@ class Variant(NamedTuple):
 
 _DEFAULTS = (Variant("defaults", FormulationSettings()),)
 _PAPER = FormulationSettings(velocity_damping=0.0)
+_BASELINE = "at once, damped as in the literature"  # the hqp of the goals
 _BRAKED = FormulationSettings(hqp_damps_velocity=True)
 _VARIANTS = {
     "ghc": (*_DEFAULTS, Variant("as in the paper", _PAPER)),
     "hqp": (
-        Variant("at once, damped as in the literature", FormulationSettings(), at_once=True),
+        Variant(_BASELINE, FormulationSettings(), at_once=True),
         Variant("at once, hqp_damps_velocity", _BRAKED, at_once=True),
     ),
 }
@@ -121,11 +122,14 @@ def _goals(found: dict[str, Any]) -> list[list[str]]:
             continue
         for key, what in (("torque_rate", "torque rate"), ("jerk", "jerk integral")):
             ratio = other["phases"][_SWITCH][key] / mine[_SWITCH][key]
-            mark = "met" if ratio >= RATIO_GOALS[key] else "missed"
+            goal, mark = "-", ""  # for comparison
+            if title == _BASELINE:
+                goal = f"at least {RATIO_GOALS[key]:g} times"
+                mark = "met" if ratio >= RATIO_GOALS[key] else "missed"
             lines.append(
                 [
                     f"hqp, {title}: {what} of phase 2, over {DEFAULT_FORMULATION}",
-                    f"at least {RATIO_GOALS[key]:g} times",
+                    goal,
                     f"{ratio:.3g}",
                     mark,
                 ]

@@ -86,8 +86,11 @@ def test_the_regimes_are_what_they_are_called(results: dict[str, Any]) -> None:
         if row["regime"] == "inactive":
             assert row["active_bounds"] == 0.0
             assert row["qp_share"] == (1.0 if row["formulation"] == "ghc_full" else 0.0)
+            assert row["qps"] == row["qp_share"]
+            assert row["pivots"] >= row["qps"]
         else:
             assert row["qp_share"] > 0.5
+            assert row["pivots"] >= row["qps"] >= row["qp_share"]
             if row["solver"] == "daqp":  # exact: active to the last digit
                 assert row["active_bounds"] > 0.5
         assert row["solved_share"] > 0.9
@@ -106,6 +109,15 @@ def test_ratios_and_goals_follow_from_the_rows(results: dict[str, Any]) -> None:
     assert len(results["ratios"]) == 5 * len(REGIMES) * 2  # two solvers
     assert results["goals"] == check_goals(results["step"], [])
     assert {goal["met"] for goal in results["goals"]} <= {True, False}
+    (ratio,) = (goal for goal in results["goals"] if "cascade over balanced" in goal["goal"])
+    medians = {
+        row["formulation"]: row["median_us"]
+        for row in results["step"]
+        if (row["tasks"], row["regime"], row["solver"]) == (5, "inactive", "daqp")
+    }
+    expected = medians["cascade"] / medians["balanced"]
+    assert ratio["measured"] == pytest.approx(expected, abs=0.01)
+    assert ratio["limit"] == 1.5
 
 
 def test_facts_name_no_machine_and_no_folder(folder: Path, results: dict[str, Any]) -> None:
@@ -210,4 +222,7 @@ def test_the_standing_humanoid_is_timed_with_its_feet_in_contact(tmp_path: Path)
     assert main(["--quick", "--only", "standing", "--output", str(tmp_path)]) == 0
     rows = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))["standing"]
     assert {row["tasks"] for row in rows} == {1, 2, 3, 4, 5}
-    assert all(row["qp_share"] == row["solved_share"] == 1.0 for row in rows)
+    assert all(row["solved_share"] == 1.0 for row in rows)
+    for row in rows:  # a cascade needs no QP where no bound is reached
+        assert row["qps"] >= row["qp_share"]
+        assert row["formulation"] in ("cascade", "hqp") or row["qp_share"] == 1.0
