@@ -149,8 +149,10 @@ def _loop(results: dict[str, Any]) -> str:
         "Nodes as processes in lockstep at 1 kHz, KUKA LWR with its three tasks and "
         f"`{FORMULATION}`: physics, two messages, one control step a cycle. With both generators, "
         "the tool is in contact by a schedule whose largest force jumps twice a second, and a "
-        "wall that only the sensor sees jumps towards the elbow and away once a second; every 10 ms the "
-        "controller waits for both plans. With the fast executor bridge and controller share a "
-        "CPU, the other nodes have the rest. The calmest run is the one from which the host of "
-        "the virtual machine took the least CPU time.\n\n" + loop_table(results["loop"]) + "\n"
+        "wall that only the sensor sees jumps towards the elbow and away once a second; every "
+        "10 ms the controller waits for both plans. With the fast executor bridge and controller "
+        "share a CPU, the other nodes have the rest. The calmest run is the one from which the "
+        "host of the virtual machine took the least CPU time.\n\n"
+        + loop_table(results["loop"])
+        + "\n"
     )

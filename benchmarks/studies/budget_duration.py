@@ -122,23 +122,22 @@ def table(result: dict[str, Any]) -> str:
 def plot(result: dict[str, Any], path: Path) -> None:
     """Duration against budget, and torque over time."""
     figure = new_figure(8.6, 3.4)
+    found = result["formulations"][FORMULATIONS[0]]
     with styled():
         left, right = figure.subplots(1, 2)
-    found = result["formulations"][FORMULATIONS[0]]
-    _draw_durations(left, result["facts"]["budgets_nm_per_s"], found["ways"])
-    joint = ""
-    for index, (budget, curve) in enumerate(
-        sorted(found["curves"].items(), key=lambda entry: float(entry[0]))
-    ):
-        joint = curve["joint"]
-        right.plot(
-            curve["time_s"], curve["torque_nm"], color=colour(index), label=f"{budget} Nm/s"
-        )
-        right.axvline(curve["duration_s"], color=colour(index), lw=0.8, ls=":")
-    right.set_xlabel("time since the start of the transition [s]")
-    right.set_ylabel(f"torque of {joint} [Nm]")
-    right.legend()
+        _draw_durations(left, result["facts"]["budgets_nm_per_s"], found["ways"])
+        _draw_torques(right, found["curves"])
     save_png(figure, path)
+
+
+def _draw_torques(ax: Axes, curves: dict[str, Any]) -> None:
+    for index, budget in enumerate(sorted(curves, key=float)):
+        curve = curves[budget]
+        ax.plot(curve["time_s"], curve["torque_nm"], color=colour(index), label=f"{budget} Nm/s")
+        ax.axvline(curve["duration_s"], color=colour(index), lw=0.8, ls=":")
+        ax.set_ylabel(f"torque of {curve['joint']} [Nm]")
+    ax.set_xlabel("time since the start of the transition [s]")
+    ax.legend(loc="lower right")
 
 
 def _draw_durations(ax: Axes, budgets: list[float], ways: dict[str, Any]) -> None:
@@ -160,4 +159,4 @@ def _draw_durations(ax: Axes, budgets: list[float], ways: dict[str, Any]) -> Non
     ax.set_yscale("log")
     ax.set_xlabel("torque_rate [Nm/s]")
     ax.set_ylabel("duration [s]")
-    ax.legend()
+    ax.legend(loc="lower left")

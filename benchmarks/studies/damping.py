@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from matplotlib.axes import Axes
+
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import Timing, run_phases
 from ghc_controller.formulations import FormulationSettings
@@ -16,14 +18,14 @@ TITLE = "KUKA, damping of the levels and of the velocity"
 FORMULATIONS = ("cascade",)
 FIGURE = "damping.png"
 CAPTION = (
-    "Worst first task, torque rate and jerk of the first switch against velocity_damping, "
-    "for four regularizations w"
+    "Worst first task, torque rate (@ 1 ms) and jerk of the first switch against "
+    "velocity_damping, for four regularizations w"
 )
 _W = (1e-3, 3e-3, 1e-2, 3e-2)  # [-]
 _KD = (0.0, 5.0, 10.0, 20.0, 40.0)  # [1/s]
 _PANELS = (
     ("first_task", "first task, worst phase [m, rad]", 3e-5),
-    ("torque_rate", "torque rate, phases 2 to 5 [Nm/s @ 1 ms]", 300.0),
+    ("torque_rate", "torque rate, phases 2 to 5 [Nm/s]", 300.0),
     ("jerk", "jerk integral, phase 2 [rad/s^2]", 140.0),
 )  # key, title, goal
 _QUICK = Timing(ramp=0.02, hold=0.03)
@@ -78,24 +80,31 @@ def table(result: dict[str, Any]) -> str:
 def plot(result: dict[str, Any], path: Path) -> None:
     """One panel per figure against kd, one line per w; dotted: the goal."""
     figure = new_figure(9.6, 3.2)
+    rows = result["formulations"][FORMULATIONS[0]]
     with styled():
         axes = figure.subplots(1, len(_PANELS))
-    rows = result["formulations"][FORMULATIONS[0]]
-    for ax, (key, title, goal) in zip(axes, _PANELS, strict=True):
-        for index, w in enumerate(result["facts"]["w"]):
-            mine = [row for row in rows if row["w"] == w and row[key] is not None]
-            ax.plot(
-                [row["kd"] for row in mine],
-                [row[key] for row in mine],
-                color=colour(index),
-                marker="o",
-                markersize=3.0,
-                label=f"w = {w:g}",
-            )
-        ax.axhline(goal, color="#7F7F7F", lw=0.9, ls=":", label="goal")
-        ax.set_yscale("log")
-        ax.set_title(title)
-        ax.set_xlabel("velocity_damping [1/s]")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+        for ax, panel in zip(axes, _PANELS, strict=True):
+            _draw(ax, rows, result["facts"]["w"], panel)
+        handles, labels = axes[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=5)
     save_png(figure, path)
+
+
+def _draw(
+    ax: Axes, rows: list[dict[str, Any]], w_values: list[float], panel: tuple[str, str, float]
+) -> None:
+    key, title, goal = panel
+    for index, w in enumerate(w_values):
+        mine = [row for row in rows if row["w"] == w and row[key] is not None]
+        ax.plot(
+            [row["kd"] for row in mine],
+            [row[key] for row in mine],
+            color=colour(index),
+            marker="o",
+            markersize=3.0,
+            label=f"w = {w:g}",
+        )
+    ax.axhline(goal, color="#7F7F7F", lw=0.9, ls=":", label="goal")
+    ax.set_yscale("log")
+    ax.set_title(title)
+    ax.set_xlabel("velocity_damping [1/s]")

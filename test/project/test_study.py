@@ -16,7 +16,7 @@ from benchmarks.problem_check import is_feasible, violation
 from benchmarks.random_tasks import random_matrix, strict_matrix
 from benchmarks.reference_cascade import bounded_least_squares
 from benchmarks.share_ramps import KINDS, orders_of
-from benchmarks.studies import load_studies
+from benchmarks.studies import StudyWithFigure, load_studies
 from benchmarks.study import main
 from benchmarks.study_results import rounded, spread, store, write_document
 from ghc_controller.formulations import FORMULATIONS, SolutionStatus, make_formulation
@@ -35,7 +35,8 @@ def test_a_study_runs_in_small_and_shows_what_it_measured(name: str, tmp_path: P
     study = STUDIES[name]
     assert set(study.FORMULATIONS) <= set(FORMULATIONS)
     formulation = study.FORMULATIONS[0]
-    result = store(tmp_path, name, study.run(True, (formulation,)))
+    folder = tmp_path / "study"
+    result = store(folder, name, study.run(True, (formulation,)))
     assert set(result) == {"facts", "formulations"}
     assert set(result["formulations"]) == {formulation}
     table = study.table(result)
@@ -44,8 +45,12 @@ def test_a_study_runs_in_small_and_shows_what_it_measured(name: str, tmp_path: P
     assert formulation in rows
     widths = {line.count("|") for line in rows.partition("\n\n")[0].splitlines()}
     assert len(widths) == 1  # every row has the cells of the head
-    write_document(tmp_path, STUDIES)
-    assert table in tmp_path.with_suffix(".md").read_text(encoding="utf-8")
+    write_document(folder, STUDIES)
+    text = folder.with_suffix(".md").read_text(encoding="utf-8")
+    assert table in text
+    if isinstance(study, StudyWithFigure):
+        assert f"](figures/{study.FIGURE})" in text
+        assert 5_000 < (tmp_path / "figures" / study.FIGURE).stat().st_size < 60_000
 
 
 @pytest.mark.parametrize("name", ["random_bounded", "continuity", "duplicates"])
