@@ -121,5 +121,5 @@ def table(result: dict[str, Any]) -> str:
         f"{_GOALS['error_m']:g} m with at least {100.0 * _GOALS['without_qp']:g} % of the ticks "
         "without a QP; 8 cm: stands, every tick SOLVED. The center of mass starts 0.028 m ahead "
         "of the ankles and the soles end at 0.1065 m: 8 cm forward lies 2 mm beyond them, where "
-        "no robot can stand.\n\n" + markdown_table(head, lines)
+        "no center of mass can stay; no formulation looks ahead.\n\n" + markdown_table(head, lines)
     )
