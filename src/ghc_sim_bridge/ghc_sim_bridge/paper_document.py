@@ -32,10 +32,12 @@ The paper does not print its targets, its start posture or its inertial paramete
 `scenarios/*.yaml` and in the robot's URDF. So the errors of tasks that have to give way, which
 only measure how far apart the targets are, are not comparable in size; which task reaches zero is.
 
-`balanced` damps its projector layers (`layer_damping`). Accelerations are damped towards -kd v
-(`velocity_damping`), but for `hqp`, which damps them towards 0 as in the literature and takes
-singular values below 1e-4 of the largest as zero, and for `ghc` and `ghc_full`, which run as in
-the paper.
+`cascade` is the default formulation, `ghc` the paper's own (`FORMULATION=ghc`). Accelerations are
+damped towards -kd v (`velocity_damping`) by `cascade`, `balanced` and `weighted`. `hqp` damps them
+towards 0 as in the literature, but for the run that says otherwise, and takes singular values
+below 1e-4 of the largest as zero. `ghc` and `ghc_full` damp towards 0 as the paper does
+(`formulation_parameters` of the scenario files). A joint speed that is left is the mean |v| of the
+fastest joint over the last 3 s of a phase, or the last half of a shorter hold.
 """
 
 
