@@ -45,7 +45,7 @@ def made_up(rate: float, jerk: float, second: float) -> dict[str, Any]:
         "control_dt_s": 1e-3,
         "peak_torque_rate_nm_per_s": {"total": rate, "per_phase": [10.0, rate]},
         "jerk_integral": {"total": 2.0 * jerk, "per_phase": [jerk, jerk]},
-        "rest": {"mean_speed_rad_per_s": [0.0, 0.1]},
+        "rest": {"mean_speed_rad_per_s": [0.0, 0.1], "references_rest": [True, True]},
         "gated_ticks": 0,
         "torque_rate_limit_nm_per_s": None,
         "paper": {"phase_errors": [{"paper": beside}, {"paper": beside}]},
@@ -247,7 +247,7 @@ def test_every_experiment_is_made_with_the_default_and_with_the_papers_own_formu
 
 
 def test_the_papers_own_formulation_stands_beside_the_default_in_every_table() -> None:
-    rest = {"mean_speed_rad_per_s": [0.0, 0.25]}
+    rest = {"mean_speed_rad_per_s": [0.125, 0.25], "references_rest": [False, True]}
     runs = {
         "insertion_removal": made_up(40.0, 100.0, 0.303) | {"formulation": "cascade"},
         "insertion_removal_ghc": made_up(50.0, 100.0, 0.404)
@@ -258,6 +258,7 @@ def test_the_papers_own_formulation_stands_beside_the_default_in_every_table() -
         text.replace("1.00e-6", "1.0e-6")
     )
     assert f"`{HIERARCHIES[1]}`, `ghc`" in text and "| 50 | 0.25 |" in text
+    assert "| 10 | – |" in text, "while a target moves no speed is left"
     assert "figures/insertion_removal_tasks_ghc.png" in text
     assert "figures/insertion_removal_tasks.png" not in text
     alone = motion.insertion_section({"insertion_removal": runs["insertion_removal"]}, frozenset())

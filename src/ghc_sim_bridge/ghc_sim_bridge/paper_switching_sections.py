@@ -62,7 +62,7 @@ _TABLE_REASONS = """Why they differ from the paper's:
 
 - **Size of the errors.** Different targets, see above. Which error is zero in which phase agrees.
 - **How small a zero is.** A closed loop with stiffness 30 and damping 20 has a pole at -1.6 /s, so
-  that 8 s leave about 2e-6 of an error. What is more than that comes with the regularisation of
+  that 8 s leave about 2e-6 of an error. What is more than that comes with the regularization of
   0.01 while joints still move, and in `balanced` with the damped layers, through which a little
   of the lower tasks leaks. The paper's 2.2e-30 for the posture is presumably a start in the
   target.
@@ -72,7 +72,7 @@ _TABLE_REASONS = """Why they differ from the paper's:
   ends, and at rest. In the paper's table GHC agrees with HQP to the printed digits; how far apart
   they end depends on the targets.
 - **`weighted`** has no strict priorities: its first task keeps an error.
-- **HQP** is a baseline with a stated regularisation: damping 1e-2, rank tolerance 1e-4 of the
+- **HQP** is a baseline with a stated regularization: damping 1e-2, rank tolerance 1e-4 of the
   largest singular value. Other values give other jerks."""
 
 
@@ -154,7 +154,9 @@ figure 5 does not state. Much of the jerk of `hqp` and `ghc` arises inside the p
 tasks cannot both be reached, not at the switch: there the arm is stretched, the second task works
 in a nearly singular null space, and the wrist swings (see the joint speeds that are left). Slower
 transitions do not remove that part; damping towards -kd v, which `cascade` and `balanced` have,
-brings the arm to rest."""
+brings the arm to rest. The largest rate of `cascade` in the second phase comes after its ramp,
+where the wrist passes its straight posture (joint 6 at zero) and the null space of the first task
+turns quickly."""
 
 
 def _ratios(summaries: Summaries, period: float) -> str:
