@@ -15,6 +15,7 @@ RUN = $(WORKSPACE) && exec .venv/bin/python tools/ros2_run.py
 # Options of `make run` and `make demo`; ARGS goes through as it is.
 OPTIONS = $(if $(FORMULATION),--formulation $(FORMULATION)) \
           $(if $(TRANSITION),--transition $(TRANSITION)) \
+          $(if $(TORQUE_RATE),--torque-rate $(TORQUE_RATE)) \
           $(if $(DT),--dt $(DT)) \
           $(if $(GENERATORS),--generators $(GENERATORS)) \
           $(if $(RECORD),--record $(RECORD)) \
@@ -24,8 +25,8 @@ OPTIONS = $(if $(FORMULATION),--formulation $(FORMULATION)) \
 help: ## list the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
 	@echo
-	@echo "  make run SCENARIO=name [FORMULATION=name] [TRANSITION=seconds] [DT=seconds]"
-	@echo "           [GENERATORS=on|off|both] [RECORD=full] [VIEW=1] [ARGS='more options of the experiment']"
+	@echo "  make run SCENARIO=name [FORMULATION=name] [TRANSITION=seconds] [TORQUE_RATE=Nm/s]"
+	@echo "           [DT=seconds] [GENERATORS=on|off|both] [RECORD=full] [VIEW=1] [ARGS='more options of the experiment']"
 	@echo "  make test ARGS='-k words'   make setup PYTHON=python3.12   make lock UPGRADE=1"
 
 setup: ## make .venv, install the locked packages, build the messages

@@ -75,7 +75,7 @@ class Experiment:
         assert node.wait(120.0) == 0, node.output
         return str(node.output)
 
-    def result(self, variant: str = "balanced") -> Path:
+    def result(self, variant: str = "cascade") -> Path:
         """Folder of a variant."""
         return self.folder / "results" / "short" / variant
 
@@ -179,8 +179,9 @@ def test_a_matrix_and_changed_gains_reach_the_controller(experiment: Experiment)
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--formulation", "magic"), ("magic", "balanced", "hqp")),
+        (("--formulation", "magic"), ("magic", "cascade", "hqp")),
         (("--transition", "-1"), ("-1", "at least 0")),
+        (("--torque-rate", "50", "--formulation", "hqp"), ("50 Nm/s", "'hqp'", "cascade")),
         (("--param", "controller=1"), ("controller=1", "node:name:=value")),
     ],
 )

@@ -67,10 +67,10 @@ def test_a_scenario_with_generators_runs_without_and_with_them_and_compares(
     for side in ("off", "on"):
         assert data["obstacles"]["wall"][side]["qp_violation_m"] < 1e-4
     summary = json.loads((results / "summary.json").read_text(encoding="utf-8"))
-    assert summary["variant"] == "balanced-generators_on", "the default variant"
+    assert summary["variant"] == "cascade-generators_on", "the default variant"
     assert set(summary["nodes"].values()) == {0}
     assert "obstacle_bounds" in summary["nodes"]
-    series = ConstraintSeries.load(results / "balanced-generators_off" / "constraints.npz")
+    series = ConstraintSeries.load(results / "cascade-generators_off" / "constraints.npz")
     present = np.isfinite(series.obstacles["wall"][:, 0])
     seen = series.time[present]
     assert seen[0] == pytest.approx(JUMP) and seen[-1] == pytest.approx(GONE - 0.01)
@@ -84,7 +84,7 @@ def test_runs_with_generators_are_repeatable(
     for _ in range(2):
         node = _run(start_node, tmp_path, file, "--generators", "on")
         assert node.exit_code == 0, node.output
-        folder = tmp_path / "results" / "short" / "balanced-generators_on"
+        folder = tmp_path / "results" / "short" / "cascade-generators_on"
         logs.append(FullRateLog.load(folder / "log.npz"))
     np.testing.assert_allclose(logs[0].torque, logs[1].torque, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(logs[0].q, logs[1].q, rtol=0.0, atol=1e-9)

@@ -72,7 +72,7 @@ def test_no_torque_step_above_the_rate_limit(formulation: str) -> None:
     assert run.counts["qp_failures"] == 0
 
 
-@pytest.mark.parametrize("formulation", ["ghc", "balanced"])
+@pytest.mark.parametrize("formulation", ["cascade", "ghc", "balanced"])
 def test_slow_transitions_never_touch_the_rate_limit(formulation: str) -> None:
     """Ramps of 2 s: after the first 0.1 s every step stays well inside the limit."""
     run = _run(formulation, 2.0, RATE, 1.0, 4.0)
@@ -80,25 +80,27 @@ def test_slow_transitions_never_touch_the_rate_limit(formulation: str) -> None:
     assert run.counts["gate_torque_rate"] == 0
 
 
-def test_a_swap_at_once_is_fifty_times_rougher_than_a_ramp() -> None:
-    """Peak torque rate: hqp switching at once against balanced with a ramp of 2 s."""
+@pytest.mark.parametrize("formulation", ["cascade", "balanced"])
+def test_a_swap_at_once_is_fifty_times_rougher_than_a_ramp(formulation: str) -> None:
+    """Peak torque rate: hqp switching at once against a ramp of 2 s."""
     at_once = _run("hqp", 0.0, 0.0, 0.5, 0.7)
-    ramped = _run("balanced", 2.0, 0.0, 0.5, 3.0)
+    ramped = _run(formulation, 2.0, 0.0, 0.5, 3.0)
     assert _steps(at_once)[400:].max() > 50.0 * _steps(ramped)[400:].max()
 
 
-def test_the_first_task_is_reached() -> None:
+@pytest.mark.parametrize("formulation", ["cascade", "balanced"])
+def test_the_first_task_is_reached(formulation: str) -> None:
     """After the ramp the task on top converges at the rate of its own local controller.
 
     With stiffness 30 and damping 20 the slow pole is -1.63 /s: 4 s after the ramp a part of
     exp(-6.5) = 1.5e-3 of the error is left.
     """
-    run = _run("balanced", 1.0, RATE, 0.2, 5.5)
+    run = _run(formulation, 1.0, RATE, 0.2, 5.5)
     assert run.error[0] < 3e-3
     assert run.error[1] > 0.1  # the elbow's target is out of reach of the end effector's
 
 
-@pytest.mark.parametrize("formulation", ["balanced", "weighted"])
+@pytest.mark.parametrize("formulation", ["cascade", "balanced", "weighted"])
 def test_an_arm_whose_targets_conflict_comes_to_rest(formulation: str) -> None:
     """Default settings, elbow 0.3 m from where it can go: after 6 s joints stand still for 2 s."""
     run = _run(formulation, 0.5, RATE, 0.0, 8.0)

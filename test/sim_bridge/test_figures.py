@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,9 @@ import pytest
 from ghc_controller.robots import find_robot
 from ghc_sim_bridge.analysis import Analysis, analyse
 from ghc_sim_bridge.controller_trace import ControllerTrace
-from ghc_sim_bridge.figure_style import envelope, save_png, short_hierarchy
+from ghc_sim_bridge.figure_style import envelope, run_title, save_png, short_hierarchy
 from ghc_sim_bridge.figures import run_figures
-from ghc_sim_bridge.phase_table import phase_table
+from ghc_sim_bridge.phase_table import outcome_lines, phase_table
 from ghc_sim_bridge.run_plan import RunOptions, make_plan
 from ghc_sim_bridge.scenario import load_scenario
 from ghc_sim_bridge.summary import make_summary, rounded, write_json
@@ -35,6 +36,7 @@ REQUIRED = {
     "peak_torque_jump_nm",
     "jerk_integral",
     "limit_violations",
+    "rest",
     "solve_time_us",
     "step_time_us",
     "qp_failures",
@@ -125,6 +127,35 @@ def test_summary_has_every_promised_field(tmp_path: Path) -> None:
     assert jumps["total"] == jumps["per_phase"][step] == pytest.approx(3.0, abs=0.01)
     assert summary["peak_torque_rate_nm_per_s"]["total"] == pytest.approx(jumps["total"] / DT)
     write_json(tmp_path / "summary.json", summary)
+
+
+def test_a_robot_that_moves_at_the_end_of_its_phases_is_named_in_summary_and_table(
+    tmp_path: Path,
+) -> None:
+    """Joints swing at up to 0.12 rad/s: with constant targets that is motion that is left."""
+    analysis, trace = made_up(tmp_path, "priority_switching")
+    summary = make_summary(analysis, trace, {"sim_bridge": 0}, 10.0)
+    rest = summary["rest"]
+    assert rest["moving_phases"] == [1, 2, 3, 4, 5]
+    assert rest["window_s"] == [3.0] * 5
+    assert all(0.05 < speed <= 0.12 for speed in rest["mean_speed_rad_per_s"])
+    assert "joints still move at the end of phases 1, 2, 3, 4, 5" in outcome_lines(summary)
+    summary["rest"]["moving_phases"] = []
+    assert "still move" not in outcome_lines(summary)
+    followed, trace = made_up(tmp_path, "lemniscate")
+    summary = make_summary(followed, trace, {"sim_bridge": 0}, 10.0)
+    assert summary["rest"]["moving_phases"] == []
+    assert max(summary["rest"]["mean_speed_rad_per_s"]) > 0.05
+
+
+def test_a_budget_of_the_transitions_is_told(tmp_path: Path) -> None:
+    analysis, trace = made_up(tmp_path, "priority_switching")
+    assert make_summary(analysis, trace, {}, 10.0)["transition_torque_rate_nm_per_s"] is None
+    assert run_title(analysis).count("Nm/s") == 0
+    plan = make_plan(load_scenario("priority_switching"), RunOptions(torque_rate=50.0), tmp_path)
+    budgeted = replace(analysis, plan=plan)
+    assert make_summary(budgeted, trace, {}, 10.0)["transition_torque_rate_nm_per_s"] == 50.0
+    assert "transitions of at least 2 s, 50 Nm/s" in run_title(budgeted)
 
 
 def test_errors_are_distances_to_the_references_of_the_scenario(tmp_path: Path) -> None:

@@ -270,7 +270,7 @@ def test_no_rate_at_all_with_generators_is_no_ratio(tmp_path: Path) -> None:
 def test_other_pairs_are_compared_in_a_folder_of_their_own(tmp_path: Path) -> None:
     options = RunOptions(generators=True, control_dt=0.002)
     plan = make_plan(load_scenario("force_bound_step"), options, tmp_path)
-    assert comparison_folder(plan).name == "balanced-generators_both-dt_0.002s"
+    assert comparison_folder(plan).name == "cascade-generators_both-dt_0.002s"
     assert comparison_folder(replace(plan, is_default=True)) == plan.folder.parent
 
 

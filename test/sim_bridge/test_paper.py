@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from ghc_controller.errors import UnknownName
+from ghc_controller.formulations import DEFAULT_FORMULATION
 from ghc_sim_bridge import paper
 from ghc_sim_bridge import paper_generator_sections as generators
 from ghc_sim_bridge import paper_motion_sections as motion
@@ -18,6 +19,7 @@ from ghc_sim_bridge.paper_document import write_document
 from ghc_sim_bridge.paper_runs import (
     GENERATOR_PAIRS,
     PAPER_RUNS,
+    beside,
     choose_runs,
     wants_studies,
 )
@@ -43,19 +45,19 @@ def made_up(rate: float, jerk: float, second: float) -> dict[str, Any]:
         "control_dt_s": 1e-3,
         "peak_torque_rate_nm_per_s": {"total": rate, "per_phase": [10.0, rate]},
         "jerk_integral": {"total": 2.0 * jerk, "per_phase": [jerk, jerk]},
-        "phase_end_speed_rad_per_s": {"total": 0.1, "per_phase": [0.0, 0.1]},
+        "rest": {"mean_speed_rad_per_s": [0.0, 0.1], "references_rest": [True, True]},
         "gated_ticks": 0,
         "torque_rate_limit_nm_per_s": None,
         "paper": {"phase_errors": [{"paper": beside}, {"paper": beside}]},
     }
 
 
-SUMMARIES = {"hqp": made_up(20000.0, 1000.0, 0.3), "balanced": made_up(40.0, 100.0, 0.303)}
+SUMMARIES = {"hqp": made_up(20000.0, 1000.0, 0.3), "cascade": made_up(40.0, 100.0, 0.303)}
 
 
 def test_the_table_holds_the_papers_figures_and_those_of_the_summaries() -> None:
     text = switching.table_section(SUMMARIES)
-    assert "ours, balanced" in text and "ours, ghc" not in text
+    assert "ours, cascade" in text and "ours, ghc" not in text
     assert "| 3▷2▷1, task 2 [m] | 0.12 | 0.25 | 0.303 | 0.3 |" in text
     assert "+1.0 %" in text  # 0.303 against 0.3
 
@@ -65,7 +67,7 @@ def test_ratios_follow_the_summaries_and_name_the_control_period() -> None:
     assert "**500 times**" in text and "**10.0 times**" in text
     assert "at 1 ms" in text and "![" not in text
     changed = copy.deepcopy(SUMMARIES)
-    changed["balanced"]["peak_torque_rate_nm_per_s"]["per_phase"][1] = 80.0
+    changed["cascade"]["peak_torque_rate_nm_per_s"]["per_phase"][1] = 80.0
     assert "**250 times**" in switching.transition_section(changed, frozenset())
 
 
@@ -101,6 +103,7 @@ def test_every_paper_run_has_a_folder_of_its_own(tmp_path: Path) -> None:
 def test_the_comparisons_that_the_paper_makes_are_there(tmp_path: Path) -> None:
     plans = {run.name: run.plan(tmp_path) for run in PAPER_RUNS}
     assert {plans[name].formulation for name in plans} >= {
+        "cascade",
         "balanced",
         "ghc",
         "ghc_full",
@@ -118,12 +121,11 @@ def test_the_comparisons_that_the_paper_makes_are_there(tmp_path: Path) -> None:
 
 def test_runs_are_chosen_by_name_or_scenario() -> None:
     assert choose_runs([]) == PAPER_RUNS
-    assert [run.name for run in choose_runs(["hqp", "nonstrict"])] == [
-        "hqp",
-        "nonstrict_0.2",
-        "nonstrict_0.5",
-        "nonstrict_0.8",
-    ]
+    chosen = [run.name for run in choose_runs(["hqp", "nonstrict"])]
+    assert chosen[0] == "hqp"
+    assert {*chosen[1:]} == {
+        f"nonstrict_{alpha}{own}" for alpha in ("0.2", "0.5", "0.8") for own in ("", "_ghc")
+    }
     with pytest.raises(UnknownName, match="lemniscate"):
         choose_runs(["no_such_run"])
 
@@ -185,6 +187,7 @@ def compared(contacts: dict[str, Any], obstacles: dict[str, Any]) -> dict[str, A
         "ratio": 250.0,
     }
     data = {
+        "formulation": "cascade",
         "control_dt_s": 1e-3,
         "events": [event],
         "contacts": contacts,
@@ -222,7 +225,53 @@ def test_pairs_are_the_same_scenario_with_raw_and_with_smoothed_bounds(tmp_path:
         assert plans[name].scenario.name == plans[other].scenario.name
         assert (plans[name].options.generators, plans[other].options.generators) == (True, False)
     with_generators = {p.scenario.name for p in plans.values() if p.scenario.generators}
-    assert with_generators == set(GENERATOR_PAIRS)
+    assert with_generators == {plans[name].scenario.name for name in GENERATOR_PAIRS}
+
+
+def test_every_experiment_is_made_with_the_default_and_with_the_papers_own_formulation(
+    tmp_path: Path,
+) -> None:
+    made: dict[tuple[str, str, bool | None], set[str]] = {}
+    for run in PAPER_RUNS:
+        plan = run.plan(tmp_path)
+        key = (plan.scenario.name, plan.scenario.variant, run.options.generators)
+        made.setdefault(key, set()).add(plan.formulation)
+    assert len(made) == 11
+    assert all(formulations >= {DEFAULT_FORMULATION, "ghc"} for formulations in made.values())
+    named = {run.name: run for run in PAPER_RUNS}
+    for name, run in named.items():
+        if beside(name) in named:
+            other = named[beside(name)].plan(tmp_path)
+            assert other.scenario == run.plan(tmp_path).scenario
+            assert other.formulation == "ghc"
+
+
+def test_the_papers_own_formulation_stands_beside_the_default_in_every_table() -> None:
+    rest = {"mean_speed_rad_per_s": [0.125, 0.25], "references_rest": [False, True]}
+    runs = {
+        "insertion_removal": made_up(40.0, 100.0, 0.303) | {"formulation": "cascade"},
+        "insertion_removal_ghc": made_up(50.0, 100.0, 0.404)
+        | {"formulation": "ghc", "rest": rest},
+    }
+    text = motion.insertion_section(runs, frozenset({"insertion_removal_tasks_ghc.png"}))
+    assert f"| `{HIERARCHIES[1]}`, `cascade` | 16 | 1.0e-6 | 0.303 | 2 | 40 | 0.1 |" in (
+        text.replace("1.00e-6", "1.0e-6")
+    )
+    assert f"`{HIERARCHIES[1]}`, `ghc`" in text and "| 50 | 0.25 |" in text
+    assert "| 10 | – |" in text, "while a target moves no speed is left"
+    assert "figures/insertion_removal_tasks_ghc.png" in text
+    assert "figures/insertion_removal_tasks.png" not in text
+    alone = motion.insertion_section({"insertion_removal": runs["insertion_removal"]}, frozenset())
+    assert "`ghc`, " not in alone and "`cascade`" in alone
+    both = {
+        "obstacle_jump": compared({}, {}),
+        "obstacle_jump_ghc": compared({}, {}),
+    }
+    both["obstacle_jump_ghc"]["comparison"]["formulation"] = "ghc"
+    both["obstacle_jump_ghc"]["comparison"]["events"][0]["ratio"] = 125.0
+    text = generators.obstacle_section(both, frozenset({"obstacle_jump_ghc.png"}))
+    assert "| bound steps | 5 | 5000 | 20 | 250 | 5000 | 20 | 125 |" in text
+    assert "`ghc`, raw bounds" in text and "figures/obstacle_jump_ghc.png" in text
 
 
 def test_the_studies_are_made_with_everything_or_by_their_name() -> None:

@@ -11,6 +11,8 @@ import yaml
 
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_sim_bridge import experiment
+from ghc_sim_bridge.experiment_conversions import transition_message
+from ghc_sim_bridge.experiment_driver_node import scripted_transitions
 from ghc_sim_bridge.references import Lemniscate
 from ghc_sim_bridge.run_plan import RunOptions, make_plan, parse_parameter
 from ghc_sim_bridge.scenario import load_scenario, scenario_names
@@ -90,6 +92,7 @@ def test_only_the_scenario_as_it_stands_is_the_default_variant(tmp_path: Path) -
     options = (
         RunOptions(formulation="ghc"),
         RunOptions(transition=0.005),
+        RunOptions(torque_rate=50.0),
         RunOptions(control_dt=0.002),
         RunOptions(mode="realtime"),
         RunOptions(parameters=(("controller", "torque_rate_limit", 1000),)),
@@ -98,6 +101,40 @@ def test_only_the_scenario_as_it_stands_is_the_default_variant(tmp_path: Path) -
     assert make_plan(scenario, RunOptions(), tmp_path).is_default
     assert not any(plan.is_default for plan in plans)
     assert len({plan.folder for plan in plans}) == len(plans)
+
+
+def test_a_torque_rate_goes_with_every_transition_and_into_the_name_of_the_folder(
+    tmp_path: Path,
+) -> None:
+    table = {"tasks": ["end_effector"], "alpha": [[0.0]]}
+    phases = [table, {"hierarchy": "posture"}, {"hierarchy": "elbow"}]
+    own = load_scenario(write(tmp_path, torque_rate=40.0, phases=phases))
+    for options, rate, folder in (
+        (RunOptions(), 40.0, "cascade"),
+        (RunOptions(torque_rate=40.0), 40.0, "cascade"),
+        (RunOptions(torque_rate=75.5), 75.5, "cascade-torque_rate_75.5"),
+        (RunOptions(torque_rate=0.0), 0.0, "cascade-torque_rate_0"),
+    ):
+        plan = make_plan(own, options, tmp_path)
+        assert (plan.torque_rate, plan.folder.name) == (rate, folder)
+        # The priorities at the start come at once: there is no ramp that could keep it.
+        sent = [transition_message(item).torque_rate for item in scripted_transitions(plan)]
+        assert sent == [0.0, rate, rate]
+    assert load_scenario(write(tmp_path)).torque_rate == 0.0
+
+
+@pytest.mark.parametrize("formulation", ["hqp", "ghc", "ghc_full", "balanced", "weighted"])
+def test_a_torque_rate_is_refused_with_a_formulation_that_cannot_keep_it(
+    tmp_path: Path, formulation: str
+) -> None:
+    options = RunOptions(formulation=formulation, torque_rate=50.0)
+    with pytest.raises(InvalidValue, match=f"50 Nm/s: .*'{formulation}'.*cascade"):
+        make_plan(load_scenario(write(tmp_path)), options, tmp_path)
+    own = load_scenario(write(tmp_path, torque_rate=40.0))
+    with pytest.raises(InvalidValue, match="40 Nm/s"):
+        make_plan(own, RunOptions(formulation=formulation), tmp_path)
+    free = RunOptions(formulation=formulation, torque_rate=0.0)
+    assert make_plan(own, free, tmp_path).torque_rate == 0.0
 
 
 def test_a_parameter_reaches_its_node_and_keeps_its_type(tmp_path: Path) -> None:
@@ -127,6 +164,8 @@ def test_a_malformed_parameter_shows_the_form(text: str) -> None:
     [
         (RunOptions(transition=-1.0), InvalidValue),
         (RunOptions(transition=math.nan), InvalidValue),
+        (RunOptions(torque_rate=-1.0), InvalidValue),
+        (RunOptions(torque_rate=math.inf), InvalidValue),
         (RunOptions(control_dt=0.0), InvalidValue),
         (RunOptions(mode="fast"), UnknownName),
     ],
@@ -153,6 +192,7 @@ def test_an_unknown_scenario_or_variant_names_those_that_exist() -> None:
         ({"control_dt": "fast"}, ["control_dt", "number", "'fast'"]),
         ({"transition": -1}, ["transition", "number >= 0", "-1"]),
         ({"transition": math.nan}, ["transition", "finite"]),
+        ({"torque_rate": -1}, ["torque_rate", "number >= 0", "-1"]),
         ({"phases": []}, ["phases", "none given"]),
         ({"phases": [{"hold": 1.0}]}, ["phases[0].hierarchy", "missing"]),
         ({"phases": [{"tasks": ["a"], "alpha": [[2.0]]}]}, ["phases[0].alpha[0]", "[0, 1]"]),

@@ -21,6 +21,7 @@ from ghc_sim_bridge.metrics import (
     peak_torque_rate,
     phase_end_speed,
 )
+from ghc_sim_bridge.rest import PhaseRest, moving_coordinates, rest_of_phase, rest_window
 from ghc_sim_bridge.run_plan import RunPlan
 from ghc_sim_bridge.task_errors import RunHistory, gravity_torques, recompute_history
 
@@ -57,6 +58,7 @@ class Analysis:
     start_up_jump: float  # [Nm] from the bridge's hold to the first command
     jerk: PhasedFigure  # [rad/s^2]
     end_speed: PhasedFigure  # [rad/s] over the last second of each phase
+    rest: tuple[PhaseRest, ...]  # motion left at the end of each phase
     violations: Mapping[str, float]  # limit -> largest relative excess [-]
 
 
@@ -85,6 +87,7 @@ def analyse(plan: RunPlan, log_file: Path, robot_file: Path) -> Analysis:
         start_up_jump=float(np.abs(log.torque[0] - history.gravity[0]).max()),
         jerk=jerk_integral(log.time, log.acceleration, spans),
         end_speed=phase_end_speed(log.time, log.v, spans),
+        rest=_rest(plan, log, history),
         violations=limit_violations(_checks(log, limits, robot)),
     )
 
@@ -94,6 +97,16 @@ def analyse_folder(plan: RunPlan) -> Analysis:
     changed = plan.folder / "robot.yaml"
     robot = changed if changed.is_file() else find_robot(plan.scenario.robot)
     return analyse(plan, plan.folder / "log.npz", robot)
+
+
+def _rest(plan: RunPlan, log: FullRateLog, history: RunHistory) -> tuple[PhaseRest, ...]:
+    """Motion of the joints, and of the base where it floats, at the end of each phase."""
+    velocity = moving_coordinates(log)
+    references = [(history.time, task.reference) for task in history.tasks]
+    return tuple(
+        rest_of_phase(log.time, velocity, references, planned.end, rest_window(planned.phase.hold))
+        for planned in plan.phases
+    )
 
 
 def _last_row(log: FullRateLog, end: float) -> int:

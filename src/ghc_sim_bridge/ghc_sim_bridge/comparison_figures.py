@@ -86,9 +86,10 @@ def variants_comparison(analyses: Mapping[str, Analysis]) -> Figure:
             ax.set_title(title)
             ax.set_xlabel("time [s]")
             ax.set_xlim(0.0, analysis.history.time[-1])
-            ax.set_ylim(bottom=0.0)
             ax.legend(loc="upper right", title="error at the end", title_fontsize=8)
-        np.atleast_1d(axes)[0].set_ylabel("task error [m]")
+        first = np.atleast_1d(axes)[0]
+        first.set_ylim(0.0, 1.25 * first.get_ylim()[1])  # room for the legends
+        first.set_ylabel("task error [m]")
         return figure
 
 

@@ -45,6 +45,7 @@ def _run(options: argparse.Namespace) -> int:
         run_options = RunOptions(
             formulation=options.formulation,
             transition=options.transition,
+            torque_rate=options.torque_rate,
             control_dt=options.dt,
             record=options.record,
             view=options.view,
@@ -118,6 +119,13 @@ def _parser() -> argparse.ArgumentParser:
         type=float,
         metavar="SECONDS",
         help="duration of every transition; hqp switches at once by default",
+    )
+    parser.add_argument(
+        "--torque-rate",
+        type=float,
+        metavar="NM_PER_S",
+        help="what every transition may add to the torque rate of any joint; it then takes as "
+        "long as this asks, and at least its duration (0 = no such budget)",
     )
     parser.add_argument("--dt", type=float, metavar="SECONDS", help="control period")
     parser.add_argument(

@@ -19,6 +19,7 @@ class ScriptedTransition:
     id: str
     start: float  # [s]
     duration: float  # [s]
+    torque_rate: float = 0.0  # [Nm/s] budget; 0 = none
     hierarchy: str = ""
     table: PriorityTable | None = None  # used in place of the string
 
@@ -38,6 +39,7 @@ def transition_message(transition: ScriptedTransition) -> PriorityTransition:
     message.header.stamp = to_stamp(transition.start)
     message.id = transition.id
     message.duration = transition.duration
+    message.torque_rate = transition.torque_rate
     if transition.table is None:
         message.hierarchy = transition.hierarchy
     else:

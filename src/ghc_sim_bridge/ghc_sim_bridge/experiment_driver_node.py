@@ -170,6 +170,7 @@ def scripted_transitions(plan: RunPlan) -> tuple[ScriptedTransition, ...]:
             id=f"phase_{index}",
             start=planned.start,
             duration=planned.ramp,
+            torque_rate=plan.torque_rate if index > 0 else 0.0,
             hierarchy=planned.phase.hierarchy if planned.phase.table is None else "",
             table=planned.phase.table,
         )

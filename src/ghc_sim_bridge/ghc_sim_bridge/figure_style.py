@@ -110,5 +110,8 @@ def run_title(analysis: Analysis) -> str:
     """What ran: scenario, formulation, transitions, control period."""
     plan = analysis.plan
     ramp = f"transitions of {plan.transition:g} s" if plan.transition else "switched at once"
+    if plan.torque_rate > 0.0:
+        least = f"at least {plan.transition:g} s, " if plan.transition else ""
+        ramp = f"transitions of {least}{plan.torque_rate:g} Nm/s"
     period = f"control period {1e3 * analysis.log.control_dt:g} ms"
     return f"{plan.scenario.title} ({plan.formulation}, {ramp}, {period})"

@@ -23,7 +23,7 @@ is the whole stack: bridge, controller and recorder as processes that talk over 
 *the thesis* is M. Liu's of 2016: chapter 3 is the paper's longer form, chapters 4 and 5 smooth
 constraints that jump (studies without a robot: [mpc_studies.md](mpc_studies.md)). Tasks: 1 = end
 effector (position), 2 = elbow (position), 3 = posture. Gains, transition profile (eq. 15) and
-regularisation are the paper's: stiffness 30 /s², damping 20 /s (100 and 20 for a moving target),
+regularization are the paper's: stiffness 30 /s², damping 20 /s (100 and 20 for a moving target),
 weight 0.01. The torque rate limit is off unless a line says otherwise, so that the figures compare
 methods and not the gate. A torque rate is the largest torque step of a joint over the control
 period, and stands beside it.
@@ -32,10 +32,13 @@ The paper does not print its targets, its start posture or its inertial paramete
 `scenarios/*.yaml` and in the robot's URDF. So the errors of tasks that have to give way, which
 only measure how far apart the targets are, are not comparable in size; which task reaches zero is.
 
-`balanced` damps its projector layers (`layer_damping`). Accelerations are damped towards -kd v
-(`velocity_damping`), but for `hqp`, which damps them towards 0 as in the literature and takes
-singular values below 1e-4 of the largest as zero, and for `ghc` and `ghc_full`, which run as in
-the paper.
+`cascade` is the default formulation, `ghc` the paper's own (`FORMULATION=ghc`). Accelerations are
+damped towards -kd v (`velocity_damping`) by `cascade`, `balanced` and `weighted`. `hqp` damps them
+towards 0 as in the literature, but for the run that says otherwise, and takes singular values
+below 1e-4 of the largest as zero. `ghc` and `ghc_full` damp towards 0 as the paper does
+(`formulation_parameters` of the scenario files). A joint speed that is left is the mean |v| of the
+fastest joint over the last 3 s of a phase, or the last half of a shorter hold; with targets that
+move there is none.
 """
 
 

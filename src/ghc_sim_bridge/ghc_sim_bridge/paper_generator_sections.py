@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ghc_sim_bridge.markdown import number, picture, table
+from ghc_sim_bridge.paper_runs import PAPERS_OWN, beside
 
 Summaries = Mapping[str, Mapping[str, Any]]
 Pictures = frozenset[str]
@@ -13,26 +14,12 @@ Pictures = frozenset[str]
 
 def force_section(summaries: Summaries, pictures: Pictures) -> str:
     """Thesis, figures 5.12 and 5.13."""
-    data = _comparison(summaries, "force_bound_step")
-    if data is None:
-        return ""
-    lines = []
-    for name, sides in data["contacts"].items():
-        for side, values in sides.items():
-            if values is not None:
-                lines.append(
-                    f"- contact `{name}`, {_SIDES[side]}: the QP's force was beyond its bounds by "
-                    f"at most {number(values['qp_violation'])} N; the simulated force differed "
-                    f"from it by {number(values['difference_rms'])} N (root mean square), at most "
-                    f"{number(values['difference_largest'])} N, and was above the bound in force "
-                    f"by at most {number(values['above_upper'])} N."
-                )
     return _section(
         "## Thesis, figures 5.12 and 5.13: a force bound that steps (`force_bound_step`)",
-        data,
-        lines,
+        _comparisons(summaries, "force_bound_step"),
+        _force_line,
         pictures,
-        "force_bound_step.png",
+        "force_bound_step",
         "Figures 5.12 and 5.13: normal force with its bounds, joint torques, largest torque rate.",
         _FORCE_REASONS,
     )
@@ -47,25 +34,12 @@ simulated force is the answer of the soft contact to a jump: it is gone where no
 
 def obstacle_section(summaries: Summaries, pictures: Pictures) -> str:
     """Thesis, figure 4.10, on the arm."""
-    data = _comparison(summaries, "obstacle_jump")
-    if data is None:
-        return ""
-    lines = []
-    for name, sides in data["obstacles"].items():
-        for side, values in sides.items():
-            if values is not None:
-                lines.append(
-                    f"- obstacle `{name}`, {_SIDES[side]}: the distance predicted by eq. 4.2 was "
-                    f"missed by at most {number(values['qp_violation_m'])} m; the end effector "
-                    "was inside the safe distance of the obstacle itself for "
-                    f"{number(values['inside_safe_distance_s'])} s."
-                )
     return _section(
         "## Thesis, figure 4.10: an obstacle that jumps (`obstacle_jump`)",
-        data,
-        lines,
+        _comparisons(summaries, "obstacle_jump"),
+        _obstacle_line,
         pictures,
-        "obstacle_jump.png",
+        "obstacle_jump",
         "Figure 4.10 on the arm: distance to the obstacle, end effector, joint torques, largest "
         "torque rate.",
         _OBSTACLE_REASONS,
@@ -79,40 +53,78 @@ torques is the time inside the safe distance, which that distance has to allow f
 study is in [mpc_studies.md](mpc_studies.md)."""
 
 _SIDES = {"off": "raw bounds", "on": "smoothed bounds"}
+_KINDS = {"contacts": "contact", "obstacles": "obstacle"}
 
 
-def _comparison(summaries: Summaries, name: str) -> Mapping[str, Any] | None:
-    found: Mapping[str, Any] | None = summaries.get(name, {}).get("comparison")
-    return found
+def _force_line(values: Mapping[str, Any]) -> str:
+    return (
+        "the QP's force was beyond its bounds by "
+        f"at most {number(values['qp_violation'])} N; the simulated force differed "
+        f"from it by {number(values['difference_rms'])} N (root mean square), at most "
+        f"{number(values['difference_largest'])} N, and was above the bound in force "
+        f"by at most {number(values['above_upper'])} N."
+    )
+
+
+def _obstacle_line(values: Mapping[str, Any]) -> str:
+    return (
+        "the distance predicted by eq. 4.2 was "
+        f"missed by at most {number(values['qp_violation_m'])} m; the end effector "
+        "was inside the safe distance of the obstacle itself for "
+        f"{number(values['inside_safe_distance_s'])} s."
+    )
+
+
+def _comparisons(summaries: Summaries, scenario: str) -> dict[str, Mapping[str, Any]]:
+    """Raw against smoothed bounds by formulation: the default one first, then the paper's own."""
+    found = [summaries.get(name, {}).get("comparison") for name in (scenario, beside(scenario))]
+    return {data["formulation"]: data for data in found if data is not None}
 
 
 def _section(
     title: str,
-    data: Mapping[str, Any],
-    lines: list[str],
+    comparisons: Mapping[str, Mapping[str, Any]],
+    line: Callable[[Mapping[str, Any]], str],
     pictures: Pictures,
-    file: str,
+    name: str,
     caption: str,
     reasons: str,
 ) -> str:
-    period = 1e3 * data["control_dt_s"]
-    head = ["event", "at [s]", f"raw bounds [Nm/s at {period:g} ms]", "smoothed", "ratio"]
-    rows = [
-        [
-            event["name"],
-            f"{event['time_s']:g}",
-            *(f"{event['peak_torque_rate_nm_per_s'][side]:.0f}" for side in ("off", "on")),
-            number(event["ratio"], 3),
-        ]
-        for event in data["events"]
-    ]
+    """A table of the events, how bounds were kept, figures; "" without any comparison."""
+    if not comparisons:
+        return ""
+    files = ((name, caption), (beside(name), f"The same with `{PAPERS_OWN}`."))
     parts = [
         title,
         "Largest torque rate of any joint around each event (asked: at least 10 times lower with\n"
         "smoothed bounds):",
-        table(head, rows),
-        "\n".join(lines),
-        picture(file, caption) if file in pictures else "",
+        _events(comparisons),
+        "\n".join(
+            f"- `{formulation}`, {_KINDS[kind]} `{item}`, {_SIDES[side]}: {line(values)}"
+            for formulation, data in comparisons.items()
+            for kind in _KINDS
+            for item, sides in data[kind].items()
+            for side, values in sides.items()
+            if values is not None
+        ),
+        *(picture(f"{file}.png", text) for file, text in files if f"{file}.png" in pictures),
         reasons,
     ]
     return "\n\n".join(part for part in parts if part)
+
+
+def _events(comparisons: Mapping[str, Mapping[str, Any]]) -> str:
+    first = next(iter(comparisons.values()))
+    period = 1e3 * first["control_dt_s"]
+    head = ["event", "at [s]"]
+    for name in comparisons:
+        head += [f"`{name}`, raw bounds [Nm/s at {period:g} ms]", "smoothed", "ratio"]
+    rows = []
+    for k, event in enumerate(first["events"]):
+        row = [event["name"], f"{event['time_s']:g}"]
+        for data in comparisons.values():
+            rates = data["events"][k]["peak_torque_rate_nm_per_s"]
+            row += [f"{rates['off']:.0f}", f"{rates['on']:.0f}"]
+            row.append(number(data["events"][k]["ratio"], 3))
+        rows.append(row)
+    return table(head, rows)

@@ -17,24 +17,20 @@ from ghc_sim_bridge.comparison_figures import (
 from ghc_sim_bridge.figure_style import save_png
 from ghc_sim_bridge.full_rate_log import FullRateLog
 from ghc_sim_bridge.generator_comparison import FIGURE, comparison_folder
-from ghc_sim_bridge.paper_runs import GENERATOR_PAIRS
+from ghc_sim_bridge.paper_runs import GENERATOR_PAIRS, beside
 from ghc_sim_bridge.run_plan import RunPlan
 
 SWITCHING_RUNS = {
     "hqp": "hqp, at once",
+    "hqp_braked": "hqp, at once,\ndamped to -kd v",
     "ghc_fast": "ghc, 0.005 s",
-    "balanced_fast": "balanced, 0.005 s",
+    "cascade_fast": "cascade, 0.005 s",
     "ghc": "ghc, 2 s",
     "balanced": "balanced, 2 s",
-    "balanced_exact": "balanced, 2 s,\nlayers not damped",
+    "cascade": "cascade, 2 s",
 }
 NONSTRICT_RUNS = {"nonstrict_0.2": 0.2, "nonstrict_0.5": 0.5, "nonstrict_0.8": 0.8}
-# run -> (figure of the run, name in the documentation)
-_COPIES = {
-    "hqp": (("tasks", "switching_hqp_tasks"),),
-    "ghc_fast": (("tasks", "switching_ghc_fast_tasks"),),
-    "ghc": (("tasks", "switching_ghc_tasks"),),
-    "balanced": (("tasks", "switching_balanced_tasks"),),
+_IN_BOTH = {
     "insertion_removal": (("tasks", "insertion_removal_tasks"),),
     "lemniscate": (
         ("tasks", "lemniscate_tasks"),
@@ -42,6 +38,19 @@ _COPIES = {
         ("joints", "lemniscate_joints"),
     ),
     "contact_force": (("force_end_effector", "contact_force"),),
+}
+# run -> (figure of the run, name in the documentation)
+_COPIES = {
+    "hqp": (("tasks", "switching_hqp_tasks"),),
+    "ghc_fast": (("tasks", "switching_ghc_fast_tasks"),),
+    "ghc": (("tasks", "switching_ghc_tasks"),),
+    "cascade_fast": (("tasks", "switching_cascade_fast_tasks"),),
+    "cascade": (("tasks", "switching_cascade_tasks"),),
+    **_IN_BOTH,
+    **{
+        beside(name): tuple((stem, beside(target)) for stem, target in copies)
+        for name, copies in _IN_BOTH.items()
+    },
 }
 
 
@@ -84,14 +93,15 @@ def write_pictures(results: Mapping[str, Result], folder: Path) -> frozenset[str
             rates["hqp, rate limit on"] = results["hqp_gated"].summary
         save_png(rate_comparison(rates), folder / "switching_rates.png")
         written |= {"switching_jerk.png", "switching_rates.png"}
-    variants = {
-        rf"$\alpha_{{12}}$ = {alpha:g}": analyse_folder(results[name].plan)
-        for name, alpha in NONSTRICT_RUNS.items()
-        if name in results
-    }
-    if variants:
-        save_png(variants_comparison(variants), folder / "nonstrict.png")
-        written.add("nonstrict.png")
+    for picture, named in (("nonstrict", str), (beside("nonstrict"), beside)):
+        variants = {
+            rf"$\alpha_{{12}}$ = {alpha:g}": analyse_folder(results[named(name)].plan)
+            for name, alpha in NONSTRICT_RUNS.items()
+            if named(name) in results
+        }
+        if variants:
+            save_png(variants_comparison(variants), folder / f"{picture}.png")
+            written.add(f"{picture}.png")
     return frozenset(written)
 
 

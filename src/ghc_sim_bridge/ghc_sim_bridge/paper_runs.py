@@ -33,30 +33,59 @@ def _switching(name: str, formulation: str, transition: float | None = None) -> 
     return PaperRun(name, "priority_switching", options=options)
 
 
-def _pair(scenario: str) -> tuple[PaperRun, PaperRun]:
-    """A scenario of the thesis with raw and with smoothed bounds."""
+def _both(name: str, scenario: str, variant: str = "") -> tuple[PaperRun, PaperRun]:
+    """A scenario with the default formulation and with the paper's own."""
+    own = RunOptions(formulation=PAPERS_OWN)
     return (
-        PaperRun(f"{scenario}_off", scenario, options=RunOptions(generators=False)),
-        PaperRun(scenario, scenario, options=RunOptions(generators=True)),
+        PaperRun(name, scenario, variant),
+        PaperRun(beside(name), scenario, variant, own),
     )
 
 
-# Runs of `_pair`: by the name of the one with smoothed bounds.
-GENERATOR_PAIRS = {name: f"{name}_off" for name in ("force_bound_step", "obstacle_jump")}
+def _pairs(scenario: str) -> tuple[PaperRun, ...]:
+    """A scenario of the thesis with raw and with smoothed bounds, in both formulations."""
+    return tuple(
+        PaperRun(
+            f"{name}{'' if smoothed else '_off'}",
+            scenario,
+            options=RunOptions(formulation=formulation, generators=smoothed),
+        )
+        for name, formulation in ((scenario, None), (beside(scenario), PAPERS_OWN))
+        for smoothed in (False, True)
+    )
+
+
+PAPERS_OWN = "ghc"  # the formulation of the paper, beside the default one
+
+
+def beside(name: str) -> str:
+    """Name of the run with the paper's own formulation, beside a run with the default one."""
+    return f"{name}_{PAPERS_OWN}"
+
+
+# Runs of `_pairs`: by the name of the one with smoothed bounds.
+GENERATOR_PAIRS = {
+    name: f"{name}_off"
+    for scenario in ("force_bound_step", "obstacle_jump")
+    for name in (scenario, beside(scenario))
+}
 STUDIES = "studies"  # of ghc_mpc_constraints, without a robot
 
 PAPER_RUNS = (
-    _switching("balanced", "balanced"),
+    _switching("cascade", "cascade"),
     _switching("ghc", "ghc"),
+    _switching("balanced", "balanced"),
     _switching("ghc_full", "ghc_full"),
     _switching("weighted", "weighted"),
     _switching("hqp", "hqp"),
-    _switching("balanced_fast", "balanced", _AT_ONCE),
+    _switching("cascade_fast", "cascade", _AT_ONCE),
     _switching("ghc_fast", "ghc", _AT_ONCE),
     PaperRun(
-        "balanced_exact",
+        "hqp_braked",
         "priority_switching",
-        options=RunOptions(parameters=(("controller", "layer_damping", 0.0),)),
+        options=RunOptions(
+            formulation="hqp", parameters=(("controller", "hqp_damps_velocity", True),)
+        ),
     ),
     PaperRun(
         "hqp_gated",
@@ -69,14 +98,14 @@ PAPER_RUNS = (
             ),
         ),
     ),
-    PaperRun("insertion_removal", "insertion_removal"),
-    PaperRun("lemniscate", "lemniscate"),
-    PaperRun("contact_force", "contact_force"),
-    PaperRun("nonstrict_0.2", "nonstrict", "alpha_12_0.2"),
-    PaperRun("nonstrict_0.5", "nonstrict", "alpha_12_0.5"),
-    PaperRun("nonstrict_0.8", "nonstrict", "alpha_12_0.8"),
-    *_pair("force_bound_step"),
-    *_pair("obstacle_jump"),
+    *_both("insertion_removal", "insertion_removal"),
+    *_both("lemniscate", "lemniscate"),
+    *_both("contact_force", "contact_force"),
+    *_both("nonstrict_0.2", "nonstrict", "alpha_12_0.2"),
+    *_both("nonstrict_0.5", "nonstrict", "alpha_12_0.5"),
+    *_both("nonstrict_0.8", "nonstrict", "alpha_12_0.8"),
+    *_pairs("force_bound_step"),
+    *_pairs("obstacle_jump"),
 )
 
 

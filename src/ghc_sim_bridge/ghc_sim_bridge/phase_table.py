@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ghc_sim_bridge.rest import rest_line
 from ghc_sim_bridge.text_table import aligned
 
 MOST_COLUMNS = 4  # of tasks: more of them are shown as rows
@@ -72,8 +73,10 @@ def outcome_lines(summary: Mapping[str, Any]) -> str:
     limits = ", ".join(f"{name} {100.0 * value:.2g} %" for name, value in worst.items())
     failed = {name: code for name, code in summary["nodes"].items() if code != 0}
     nodes = ", ".join(f"{name} {code}" for name, code in failed.items())
+    left = rest_line(summary)
     return "\n".join(
         [
+            *([left] if left else []),
             f"limits exceeded: {limits or 'none'}; qp failures: {summary['qp_failures']}, "
             f"fallback ticks: {summary['fallback_ticks']}, gated ticks: {summary['gated_ticks']}",
             f"exit codes: {nodes or 'all nodes 0'}; {summary['sim_seconds']:g} s simulated in "

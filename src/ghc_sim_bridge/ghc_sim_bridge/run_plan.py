@@ -28,6 +28,7 @@ class RunOptions:
 
     formulation: str | None = None
     transition: float | None = None  # [s]
+    torque_rate: float | None = None  # [Nm/s] budget of each transition; 0 = none
     control_dt: float | None = None  # [s]
     record: str = "decimated"
     view: bool = False
@@ -54,6 +55,7 @@ class RunPlan:
     options: RunOptions
     formulation: str
     transition: float  # [s]
+    torque_rate: float  # [Nm/s] budget of each transition, which may then take longer; 0 = none
     control_dt: float  # [s]
     phases: tuple[PlannedPhase, ...]
     parameters: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value
@@ -91,7 +93,8 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
     """The run of a scenario under options; `output` is the root of all results.
 
     An `hqp` run switches at once (a cascade of strict levels has nothing in between) unless a
-    transition is given. Raises InvalidValue (option out of range), UnknownName (formulation,
+    transition is given. Raises InvalidValue (option out of range, or a torque rate with a
+    formulation that cannot keep it), UnknownName (formulation,
     mode, robot, contact of a schedule) or ConfigurationError (the robot's file).
     """
     _check_options(options)
@@ -107,6 +110,7 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
     transition = scenario.transition if formulation != "hqp" else 0.0
     if options.transition is not None:
         transition = options.transition
+    torque_rate = _torque_rate(scenario, options, formulation)
     control_dt = options.control_dt or scenario.control_dt
     phases = _time_phases(scenario.phases, transition, control_dt)
     folder, is_default = _place(scenario, options, formulation, transition)
@@ -115,6 +119,7 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
         options=options,
         formulation=formulation,
         transition=transition,
+        torque_rate=torque_rate,
         control_dt=control_dt,
         phases=phases,
         parameters={},
@@ -155,9 +160,23 @@ def _check_contacts(plan: RunPlan) -> None:
             raise UnknownName(kind, contact, known)
 
 
+def _torque_rate(scenario: Scenario, options: RunOptions, formulation: str) -> float:
+    """Budget of the transitions [Nm/s]; InvalidValue where the formulation cannot keep it."""
+    rate = scenario.torque_rate if options.torque_rate is None else options.torque_rate
+    if rate > 0.0 and not FORMULATIONS[formulation].blends:
+        able = ", ".join(name for name, kind in FORMULATIONS.items() if kind.blends)
+        raise InvalidValue(
+            f"torque rate {rate:g} Nm/s: formulation '{formulation}' cannot keep it, only one "
+            f"that blends orders: {able}; torque rate 0 = none"
+        )
+    return rate
+
+
 def _check_options(options: RunOptions) -> None:
     if options.transition is not None and not 0.0 <= options.transition < math.inf:
         raise InvalidValue(f"transition {options.transition:g} s: at least 0 is expected")
+    if options.torque_rate is not None and not 0.0 <= options.torque_rate < math.inf:
+        raise InvalidValue(f"torque rate {options.torque_rate:g} Nm/s: at least 0 is expected")
     if options.control_dt is not None and not 0.0 < options.control_dt < math.inf:
         raise InvalidValue(f"control period {options.control_dt:g} s: more than 0 is expected")
     for value, known, kind in (
@@ -196,6 +215,8 @@ def _place(
     parts.append("generators_off" if options.generators is False else generators)
     if transition != default_transition:
         parts.append(f"transition_{transition:g}s")
+    if options.torque_rate not in (None, scenario.torque_rate):
+        parts.append(f"torque_rate_{options.torque_rate:g}")
     if options.control_dt not in (None, scenario.control_dt):
         parts.append(f"dt_{options.control_dt:g}s")
     if options.mode != MODES[0]:

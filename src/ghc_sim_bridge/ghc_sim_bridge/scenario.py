@@ -64,6 +64,7 @@ class Scenario:
     formulation: str
     control_dt: float  # [s]
     transition: float  # [s] duration of each ramp
+    torque_rate: float  # [Nm/s] budget of each ramp; 0 = none
     torque_rate_limit: float  # [Nm/s] controller and bridge; 0 = off
     references: tuple[Reference, ...]
     keyframes: Keyframes | None  # more references, as postures of the whole body
@@ -154,6 +155,7 @@ def _read_scenario(
         formulation=fields.text("formulation", DEFAULT_FORMULATION),
         control_dt=fields.number("control_dt", 1e-3, minimum=1e-6),
         transition=fields.number("transition", 2.0, minimum=0.0),
+        torque_rate=fields.number("torque_rate", 0.0, minimum=0.0),
         torque_rate_limit=fields.number("torque_rate_limit", minimum=0.0),
         references=references,
         keyframes=_optional_keyframes(fields),

@@ -16,6 +16,7 @@ from ghc_sim_bridge.claims import error_disagreement
 from ghc_sim_bridge.controller_trace import ControllerTrace
 from ghc_sim_bridge.full_rate_log import Source
 from ghc_sim_bridge.metrics import PhasedFigure, percentiles
+from ghc_sim_bridge.rest import rest_summary
 
 _DIGITS = 9  # significant digits of every number
 
@@ -39,6 +40,7 @@ def make_summary(
         "mode": plan.options.mode,
         "control_dt_s": log.control_dt,
         "transition_s": plan.transition,
+        "transition_torque_rate_nm_per_s": plan.torque_rate if plan.torque_rate > 0.0 else None,
         "sim_seconds": sim_seconds,
         "wall_seconds": wall_seconds,
         "real_time_factor": sim_seconds / wall_seconds,
@@ -51,6 +53,7 @@ def make_summary(
         "jerk_integral": _phased(analysis.jerk),
         "jerk_integral_unit": "rad/s^2",
         "phase_end_speed_rad_per_s": _phased(analysis.end_speed),
+        "rest": rest_summary(analysis.rest),
         "limit_violations": dict(analysis.violations),
         "limit_violations_unit": "largest excess as a fraction of the limit",
         "soft_row_slack": trace.slack,
