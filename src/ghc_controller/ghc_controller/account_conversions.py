@@ -1,4 +1,4 @@
-"""What the controller says of itself: steps, priorities."""
+"""Conversions of the controller's status to messages: steps, priorities."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The part of the controller node that gives account: of steps, of priorities, of its health.
+"""Status of the controller node: steps, priorities, health.
 
 Publishes ghc/controller_state, ghc/priority_matrix (latched), /diagnostics.
 """

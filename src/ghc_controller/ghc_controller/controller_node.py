@@ -240,7 +240,7 @@ class ControllerNode:
         self._accounts.publish_diagnostics(self._now, self._plans.silent(self._now or 0.0))
 
     def close(self) -> None:
-        """Nothing to be written."""
+        """No resources to release."""
 
 
 def main(args: Sequence[str] | None = None) -> int:

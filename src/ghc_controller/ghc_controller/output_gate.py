@@ -1,4 +1,4 @@
-"""The last stage before a torque leaves the controller: nothing impossible gets through."""
+"""Last stage of the controller: finite torques within torque limits and rate limit."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ WARNING_PERIOD = 1.0  # [s] at most one warning per field in this time
 
 
 class Rejections:
-    """Every event counts; the log hears of each field at most once per period."""
+    """Counts events per field; warns of each field at most once per period."""
 
     def __init__(self) -> None:
         """Begin with no events."""

@@ -27,7 +27,7 @@ from ghc_controller.run_node import guarded
 
 
 class RequestDesk:
-    """Judges requests at a robot state: those that come before the first one wait for it."""
+    """Validates requests at the present state; those before the first state are queued."""
 
     def __init__(
         self,
@@ -67,7 +67,7 @@ class RequestDesk:
         return self._now is not None
 
     def at(self, now: float) -> None:
-        """A state of time `now` [s] is looked at; what waited for the first one is judged."""
+        """Process queued requests at the state of time `now` [s]."""
         self._now = now
         for request in self._early:
             request()

@@ -97,7 +97,7 @@ class StateGate(Generic[M]):
         self._repeatable = True
 
     def forget(self) -> None:
-        """Work a repeat of the last state out again: something new is to be taken into account."""
+        """Recompute the last state if it is repeated, since an input has changed."""
         self._repeatable = False
 
     def _completed(self) -> tuple[M, Verdict] | None:

@@ -1,4 +1,4 @@
-"""Which tick of the generators is announced when: ahead of its first state where possible."""
+"""Schedules tick announcements for the generators, ahead of the first state if possible."""
 
 from __future__ import annotations
 

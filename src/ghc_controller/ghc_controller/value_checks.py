@@ -1,4 +1,4 @@
-"""What may be wrong with a value of a configuration file, in words; empty when nothing is."""
+"""Validation messages for configuration values; empty if the value is valid."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from ghc_mpc_constraints.preview_model import STEP_TOLERANCE, Horizon
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSchedule:
-    """Bounds i hold from times[i] to times[i + 1], the last ones for ever, the first from ever.
+    """Bounds i hold from times[i] to times[i + 1], the last indefinitely, the first also before.
 
     Made by `checked`. lower > upper is a schedule that cannot be met: it is accepted, since it
     may come of two planners, and the generator says what it makes of it.

@@ -137,7 +137,7 @@ class GeneratorNode(ABC, Generic[P]):
             self._try_tick(self._held_back_ns)
 
     def close(self) -> None:
-        """Nothing to be written."""
+        """No resources to release."""
 
     def _on_controller(self, data: bytes) -> None:
         if not self._started:

@@ -1,4 +1,4 @@
-"""What the QP asked of every contact that was on, over a run, beside what was simulated."""
+"""QP contact forces of a run, next to the simulated ones."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ GENERATORS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class ScriptedSchedule:
-    """What a contact may carry: entry i from times[i] on, the last one for ever."""
+    """What a contact may carry: entry i from times[i] on, the last one indefinitely."""
 
     contact: str
     times: tuple[float, ...]  # (p,) [s] simulated, increasing
@@ -28,7 +28,7 @@ class ScriptedSchedule:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A jump whose cost is looked at: without and with generators."""
+    """Event whose torque-rate peak is evaluated, without and with generators."""
 
     time: float  # [s]
     name: str

@@ -65,7 +65,7 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
 
 
 def _write_filmstrip(plan: RunPlan, log: FullRateLog) -> None:
-    """The motion of a robot that goes about; an arm is better seen in an animation."""
+    """Filmstrip for mobile robots; an arm is better seen in an animation."""
     if log.base_pose is None:
         return
     scene = load_scene(str(plan.parameters["sim_bridge"]["scene"]))

@@ -1,4 +1,4 @@
-"""A ROS domain of one's own: an id that no other run on this machine holds."""
+"""Reserves a ROS domain id that no other run on this machine uses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ratio of control period and physics step, checked once at the door."""
+"""The ratio of control period and physics step, validated on construction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What follows a reference: a name, the numbers that it takes, and where it is now."""
+"""Anything that can be given a reference: name, size, current value."""
 
 from __future__ import annotations
 
