@@ -39,21 +39,22 @@ class Reference(NamedTuple):
     kkt: float  # largest KKT residual of all QPs, in the whitened scale
 
 
-Damping = Callable[[Array, Array], float]
+Damping = Callable[[Array, Array, Array], float]
 
 
 def kept_damping(w: float) -> Damping:
-    """Damping w (1 - kept (1 - s)) of rows J (m, d) and what the levels above leave, A (m, d).
+    """Damping of rows J (m, d), what the levels above leave, A (m, d), and r = b - J y (m,).
 
-    s = min(1, |J|^2 / m), kept = |A|^2 / |J|^2: the rule of docs/architecture.md, written anew.
+    w (1 - kept (1 - s)) + (1 - kept) min(|r|^2 / 100^2, 4 w), s = min(1, |J| / sqrt(m)), kept =
+    |A|^2 / |J|^2: the rule of docs/architecture.md, written anew.
     """
 
-    def damping(rows: Array, left: Array) -> float:
-        whole = float(np.linalg.norm(rows)) ** 2
-        if whole <= 1e-4 * len(rows):
-            return w
-        kept = min(1.0, float(np.linalg.norm(left)) ** 2 / whole)
-        return w * (1.0 - kept * (1.0 - min(1.0, whole / len(rows))))
+    def damping(rows: Array, left: Array, residual: Array) -> float:
+        size = float(np.linalg.norm(rows))
+        kept = min(1.0, (float(np.linalg.norm(left)) / size) ** 2)
+        length = min(1.0, size / np.sqrt(len(rows)))
+        pull = min(float(residual @ residual) / 1e4, 4.0 * w)
+        return w * (1.0 - kept * (1.0 - length)) + (1.0 - kept) * pull
 
     return damping
 
@@ -87,9 +88,10 @@ def hard_cascade(
             active.append(False)
             continue
         local = jacobian @ null
-        damping = w(jacobian @ movable, local) if callable(w) else w
+        residual = target - jacobian @ x
+        damping = w(jacobian @ movable, local, residual) if callable(w) else w
         cost = np.vstack([local, np.sqrt(damping) * np.eye(null.shape[1])])
-        wanted = np.append(target - jacobian @ x, np.zeros(null.shape[1]))
+        wanted = np.append(residual, np.zeros(null.shape[1]))
         found, force = _level(problem, x, null, cost, wanted, force, index == 0, last)
         x = x + null @ found.z[: null.shape[1]]
         kkt = max(kkt, found.primal, found.dual, found.complementarity)

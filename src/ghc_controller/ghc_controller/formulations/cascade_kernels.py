@@ -24,22 +24,28 @@ Motion = tuple[Array, Array, Array, Array, Array]
 Balance = tuple[Array, Array, Array, Array, Array]
 # General rows (g, n), rows on forces (r, c), and the bounds (n + a + g + r,) of x, tau and these.
 Rows = tuple[Array, Array, Array, Array]
-_SHORTEST = 1e-4  # [-] mean square length of rows below which the damping falls no further
+_SHORTEST = 1e-4  # [-] length of rows below which the damping falls no further
+_LARGEST = 50.0  # [rad/s^2] that a level asks for along a direction that it is losing
+_MOST = 4.0  # [-] of w that is added for it at most
 
 
 @njit(cache=True)
-def level_damping(jacobian: Array, rows: Array, w: float) -> float:  # pragma: no cover
-    """Damping of a level with rows J and what the levels above leave of them, A = J P; (m, d).
+def level_damping(
+    jacobian: Array, rows: Array, residual: Array, w: float
+) -> float:  # pragma: no cover
+    """Damping of a level: rows J and what the levels above leave, A = J P, (m, d); r = b - J y.
 
-    w (1 - kept (1 - s)) with s = min(1, |J|^2 / m) and kept = |A|^2 / |J|^2: a task of short rows,
-    such as a center of mass, keeps its gains as far as it keeps its directions, and directions
-    that are lost to levels above are damped by w.
+    w (1 - kept (1 - s)) + (1 - kept) min(|r|^2 / (2 a)^2, 4 w), with kept = |A|^2 / |J|^2 and
+    s = min(1, |J| / sqrt(m)). A task of short rows, such as a center of mass, keeps its gains as
+    far as it keeps its directions. Along a direction that is being lost no level asks for more
+    than |r| / (2 sqrt(w)): the second term brings that down to a.
     """
-    m = jacobian.shape[0]
+    m = max(jacobian.shape[0], 1)
     whole = np.sum(jacobian * jacobian)
-    if not whole > _SHORTEST * m:
-        return w
-    return w * (1.0 - min(1.0, np.sum(rows * rows) / whole) * (1.0 - min(1.0, whole / m)))
+    kept = min(1.0, np.sum(rows * rows) / max(whole, 1e-300))
+    length = min(1.0, max(np.sqrt(whole / m), _SHORTEST))
+    pull = np.sum(residual * residual) / (4.0 * _LARGEST * _LARGEST)
+    return w * (1.0 - kept * (1.0 - length)) + (1.0 - kept) * min(pull, _MOST * w)
 
 
 @njit(cache=True)
@@ -48,8 +54,8 @@ def level_optimum(
 ) -> tuple[Array, Array, float]:  # pragma: no cover
     """c = y + P A^T (A A^T + w_l I)^-1 (b - J y), (d,), A (m, d) and the damping w_l."""
     rows = project_rows(jacobian, basis, used)
-    damping = level_damping(jacobian, rows, w)
     residual = target - affine(jacobian, y, np.zeros(jacobian.shape[0]))
+    damping = level_damping(jacobian, rows, residual, w)
     step = np.zeros(y.shape[0])
     add_combination(solve_factored(damped_factor(rows, damping), residual), rows, step)
     return y + project_rows(step.reshape(1, -1), basis, used)[0], rows, damping
