@@ -15,6 +15,7 @@ from ghc_controller.types import Array, RobotState
 
 STEPS = 100
 _DT = 1e-3  # [s]
+_SETTLE = 20  # steps before the first ramp: contact forces expand about those of the step before
 _GIVEN_UP = 3  # unsolved steps after which a ramp is not followed further
 _LEAST_CHANGE = 1e-3  # [Nm] a ramp that changes less has no shape to speak of
 
@@ -71,7 +72,7 @@ def follow(
     time = 0.0
     for index, (order, left_at) in enumerate(orders):
         matrix = PriorityMatrix(names, strict_matrix(order, len(names)))
-        steps = round(left_at * STEPS) if index else 0
+        steps = round(left_at * STEPS) if index else _SETTLE
         duration = STEPS * _DT if index else 0.0
         controller.add_transition(Transition(matrix, time, duration, Profile.LINEAR), time)
         torques: list[Array] = []

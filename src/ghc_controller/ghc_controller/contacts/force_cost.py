@@ -13,7 +13,6 @@ from ghc_controller.reference_schedule import ReferenceSchedule
 from ghc_controller.types import Array
 
 _WEIGHT = 1e-4  # [-] on |f|^2, beside the unit weight of task accelerations
-_NEWTON_STEP = 0.5  # [-] share of the way to the forces of a step that the expansion moves
 _LEAST_LOAD = 2.0  # [N] below it a contact counts as no lighter
 
 
@@ -32,8 +31,7 @@ class ForceCost:
 
         |u|^2 / F ~ |u - r F|^2 / F_0 + 2 r^T u - |r|^2 F,
 
-    so that over the steps the forces are those of the least cost (Newton's method, with half
-    steps: whole ones can alternate between two answers where a bound on forces is active).
+    so that over the steps the forces are those of the least cost (Newton's method).
     """
 
     def __init__(self, contacts: Sequence[Contact], weight_force: float) -> None:
@@ -62,11 +60,7 @@ class ForceCost:
 
     def remember(self, place: int, force: Array | None) -> None:
         """Take forces of the contact at `place`, for the next step; None: it is off."""
-        last = self._before[place]
-        if force is None or last is None:
-            self._newest[place] = None if force is None else force.copy()
-        else:
-            self._newest[place] = last + _NEWTON_STEP * (force - last)
+        self._newest[place] = None if force is None else force.copy()
 
     def advance(self) -> None:
         """Expand about the forces that were remembered last."""

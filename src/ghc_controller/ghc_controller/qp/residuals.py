@@ -14,7 +14,7 @@ from ghc_controller.types import Array
 VIOLATION_TOLERANCE = 1e-6  # [rad/s^2], [Nm], [N] of an accepted answer
 RESIDUAL_TOLERANCE = 1e-7  # [-] of an accepted answer's stationarity
 _GAP_TOLERANCE = 1e-6  # [-] of an accepted answer's cost
-_ROUNDING_SHARE = 0.5  # of the violation, left for what follows from the answer
+_ROUNDING_SHARE = 0.05  # of the violation: levels of a cascade add theirs up
 
 
 class Residuals(NamedTuple):
