@@ -59,8 +59,10 @@ def orders_of(
     if kind == "cycle":
         turned = [[second, third, first, *rest], [third, first, second, *rest], whole]
         return [(whole, 1.0), *((turn, 1.0) for turn in turned)]
-    last = list(rng.permutation(order))
-    return [(whole, 1.0), ([second, first, third, *rest], 0.5), (last, 1.0)]
+    swapped, last = [second, first, third, *rest], list(rng.permutation(order))
+    if last == swapped:  # the ramp under way, given again, would go on
+        last = whole[::-1]
+    return [(whole, 1.0), (swapped, 0.5), (last, 1.0)]
 
 
 def follow(
