@@ -17,6 +17,8 @@ def blend(answers: Sequence[Solution], priorities: Priorities) -> Solution:
 
     The worst status counts. A ramp with a torque-rate budget chooses its shares here.
     """
+    if len(answers) == 1 and not isinstance(priorities, PacedPriorities):
+        return answers[0]
     shares, progress = _shares(answers, priorities)
     in_force = [answer for answer, share in zip(answers, shares, strict=True) if share > 0.0]
     failed = [answer for answer in in_force if answer.status is SolutionStatus.FAILED]
