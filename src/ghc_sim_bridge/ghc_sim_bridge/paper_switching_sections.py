@@ -154,9 +154,7 @@ figure 5 does not state. Much of the jerk of `hqp` and `ghc` arises inside the p
 tasks cannot both be reached, not at the switch: there the arm is stretched, the second task works
 in a nearly singular null space, and the wrist swings (see the joint speeds that are left). Slower
 transitions do not remove that part; damping towards -kd v, which `cascade` and `balanced` have,
-brings the arm to rest. The largest rate of `cascade` in the second phase comes after its ramp,
-where the wrist passes its straight posture (joint 6 at zero) and the null space of the first task
-turns quickly."""
+brings the arm to rest, and `cascade` asks little of directions that a level is losing."""
 
 
 def _ratios(summaries: Summaries, period: float) -> str:
