@@ -231,7 +231,7 @@ def test_ctrl_c_ends_all_nodes(experiment: Experiment) -> None:
     experiment.wait_until_running(node)
     assert len(experiment.children()) >= 3
     node.send(signal.SIGINT)
-    assert node.wait(30.0) == 130
+    assert node.wait(30.0) == 130, node.output
     assert "Traceback" not in node.output
     assert experiment.children() == []
 

@@ -33,7 +33,11 @@ from ghc_controller.ros_conversions import (
     time_from_seconds,
 )
 from ghc_controller.run_node import EXIT_FAILED, EXIT_REFUSED
-from ghc_controller.stop_signals import interrupt_on_stop_signals
+from ghc_controller.stop_signals import (
+    interrupt_on_stop_signals,
+    raise_if_stopped,
+    stop_was_asked,
+)
 
 NODE_NAME = "transition"
 _INTERRUPTED = 130
@@ -128,6 +132,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _follow(TransitionRequest(request, _print), options.timeout)
     except (KeyboardInterrupt, ExternalShutdownException):
         return _complain("interrupted", _INTERRUPTED)
+    except RuntimeError:  # what an interrupt becomes while rclpy converts a message
+        if not stop_was_asked():
+            raise
+        return _complain("interrupted", _INTERRUPTED)
     finally:
         rclpy.try_shutdown()
 
@@ -138,6 +146,7 @@ def _follow(request: TransitionRequest, timeout: float) -> int:
     deadline = time.monotonic() + timeout
     while request.exit_code is None:
         executor.spin_once(timeout_sec=0.05)
+        raise_if_stopped()
         request.send_when_heard()
         if time.monotonic() > deadline:
             what = (

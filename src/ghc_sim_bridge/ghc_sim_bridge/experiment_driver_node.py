@@ -10,6 +10,7 @@ from functools import partial
 from rclpy.executors import SingleThreadedExecutor
 
 from ghc_controller.errors import GhcError
+from ghc_controller.stop_signals import raise_if_stopped
 from ghc_sim_bridge.experiment_client_node import ExperimentClient, ScriptedTransition
 from ghc_sim_bridge.experiment_nodes import MAY_END, READ_BEFORE_START
 from ghc_sim_bridge.processes import NodeProcesses
@@ -160,6 +161,7 @@ class ExperimentDriver:
 
     def _turn(self) -> None:
         self._executor.spin_once(timeout_sec=0.02)
+        raise_if_stopped()
         self._nodes.check(may_end=MAY_END)
 
 
