@@ -23,7 +23,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros_conversions import (
+from ghc_controller.ros.conversions.common import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
     LATCHED_QOS,

@@ -105,7 +105,7 @@ def test_sources_know_nothing_of_wheels(word: str) -> None:
 
 def test_no_robot_in_code() -> None:
     """A robot is data: its name stands in its own folder and in scenarios, not in a module."""
-    folder = ROOT / "src" / "ghc_controller" / "ghc_controller" / "robots"
+    folder = ROOT / "src" / "ghc_controller" / "ghc_controller" / "robot" / "data"
     robots = [path.parent.name for path in folder.glob("*/robot.yaml")]
     assert robots
     for robot in robots:
