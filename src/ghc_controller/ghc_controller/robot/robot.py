@@ -25,7 +25,7 @@ class RobotConfig:
 
     ```yaml
     name: my_arm
-    urdf: my_arm.urdf            # relative to this file, or of a package: see urdf_source.py
+    urdf: my_arm.urdf            # relative to this file, or of a package: see urdf.py
     floating_base: false         # optional, default false
     limits:                      # optional; a number, or a map joint -> number, overrides the URDF
       velocity: 1.2              # [rad/s]

@@ -32,7 +32,7 @@ Picture = NDArray[np.uint8]  # (height, width, 3)
 
 LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}
 PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
-LARGEST_SIZE = (1920, 1440)  # [pixel] of the off-screen buffer, see scene.py
+LARGEST_SIZE = (1920, 1440)  # [pixel] of the off-screen buffer, see mujoco_model.py
 GAP = 8  # [pixel] between the frames of a strip
 
 

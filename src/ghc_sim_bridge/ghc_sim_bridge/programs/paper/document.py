@@ -29,7 +29,7 @@ methods and not the gate. A torque rate is the largest torque step of a joint ov
 period, and stands beside it.
 
 The paper does not print its targets, its start posture or its inertial parameters. Ours stand in
-`scenarios/*.yaml` and in the robot's URDF. So the errors of tasks that have to give way, which
+`scenario/data/*.yaml` and in the robot's URDF. So the errors of tasks that have to give way, which
 only measure how far apart the targets are, are not comparable in size; which task reaches zero is.
 
 `cascade` is the default formulation, `ghc` the paper's own (`FORMULATION=ghc`). Accelerations are
