@@ -11,9 +11,9 @@ from benchmarks.random_tasks import strict_matrix
 from ghc_controller.controller import Controller
 from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy import Priorities, PriorityMatrix, Profile, Transition
-from ghc_controller.reference import ReferenceTrajectory
+from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.types import Array, RobotState
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 PERIOD = 1e-3  # [s]
 _LONGEST = 8.0  # [s] a ramp that takes longer counts as stalled

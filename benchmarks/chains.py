@@ -12,10 +12,10 @@ import numpy as np
 
 from benchmarks.random_tasks import Reach, random_references, strict_matrix
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import ControlProblem, Formulation
 from ghc_controller.hierarchy import PriorityMatrix, Transition
-from ghc_controller.robot_config import load_robot_config
+from ghc_controller.robot.robot import load_robot_config
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import Array, Bounds, RobotState
 
 SEED = 17

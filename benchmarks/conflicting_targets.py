@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ghc_controller.robot_config import RobotConfig
+from ghc_controller.robot.robot import RobotConfig
 from ghc_controller.types import Array
 
 APART = 0.2  # [m] least norm of both errors together, at the best posture

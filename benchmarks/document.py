@@ -20,7 +20,7 @@ from benchmarks.tables import (
     step_table,
 )
 from benchmarks.timed_controller import PARTS
-from ghc_sim_bridge.markdown import picture
+from ghc_sim_bridge.programs.markdown import picture
 
 FIGURE = "step_time.png"
 _PARTS_AT = 5  # tasks

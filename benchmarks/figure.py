@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullForm
 from benchmarks.step_bench import REGIMES
 from benchmarks.tables import REGIME_TITLES, robots_of, rows_of, variants_of
 from benchmarks.timed_controller import Variant
-from ghc_sim_bridge.figure_style import COLOURS, new_figure, save_png, styled
+from ghc_sim_bridge.figures.style import COLOURS, new_figure, save_png, styled
 
 Row = dict[str, Any]
 

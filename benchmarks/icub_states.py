@@ -11,12 +11,12 @@ import numpy as np
 from benchmarks.models import install_model
 from benchmarks.random_tasks import Reach, random_references, strict_matrix
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import ControlProblem
 from ghc_controller.hierarchy import PriorityMatrix, Transition
-from ghc_controller.reference import ReferenceTrajectory
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import Array, RobotState
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 SEED = 21
 SCENE = "icub_standing"

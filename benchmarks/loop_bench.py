@@ -16,11 +16,11 @@ from benchmarks import loop_generators
 from benchmarks.pace import Pace, TakenByHost
 from ghc_controller.errors import GhcError
 from ghc_controller.formulations import DEFAULT_FORMULATION
-from ghc_sim_bridge.cpu_placement import lockstep_placement
-from ghc_sim_bridge.experiment_nodes import EXECUTABLES
-from ghc_sim_bridge.full_rate_log import FullRateLog
-from ghc_sim_bridge.processes import NodeProcesses
-from ghc_sim_bridge.ros_domain import DomainLock
+from ghc_sim_bridge.logs.full_rate_log import FullRateLog
+from ghc_sim_bridge.ros.experiment_nodes import EXECUTABLES
+from ghc_sim_bridge.run.cpu_placement import lockstep_placement
+from ghc_sim_bridge.run.domain import DomainLock
+from ghc_sim_bridge.run.processes import NodeProcesses
 
 SCENE = "kuka_lwr"  # and the robot of that name
 FORMULATION = DEFAULT_FORMULATION

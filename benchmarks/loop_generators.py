@@ -17,10 +17,10 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from ghc_controller.errors import GhcError
-from ghc_controller.robots import find_robot
-from ghc_mpc_constraints.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.ros_conversions import SCHEDULE_QOS, schedule_message
-from ghc_sim_bridge.robot_changes import write_changed_robot
+from ghc_controller.robot.library import find_robot
+from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.ros.conversions import SCHEDULE_QOS, schedule_message
+from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 
 SCENE = Path(__file__).with_name("loop_scene.yaml")
 NODES: dict[str, dict[str, Any]] = {  # generator -> its parameters

@@ -13,13 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from ghc_controller.constraints.motion_plan import MotionPlan, MotionStatus
-from ghc_controller.contacts.bounds_plan import ForceBoundsPlan, PlanStatus
-from ghc_mpc_constraints.approach import ReactionTime
-from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds, ForceBoundSettings
-from ghc_mpc_constraints.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.measurement import Measurement
-from ghc_mpc_constraints.obstacle_bounds import ObstacleBounds, ObstacleSettings
+from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus
+from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus
+from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+    ContactForceBounds,
+    ForceBoundSettings,
+)
+from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.obstacle_motion.approach import ReactionTime
+from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
+from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, ObstacleSettings
 
 STEP = 0.01  # [s] T
 CHANGE_EVERY = 10  # ticks: a sensor of 10 Hz, a planner as quick

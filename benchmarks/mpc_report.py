@@ -12,8 +12,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLo
 
 from benchmarks.goals import TICK_GOAL
 from benchmarks.mpc_bench import KINDS
-from ghc_sim_bridge.figure_style import colour, new_figure, save_png, styled
-from ghc_sim_bridge.markdown import table
+from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
+from ghc_sim_bridge.programs.markdown import table
 
 Row = dict[str, Any]
 

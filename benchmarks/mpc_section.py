@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.mpc_loads import CHANGE_EVERY, STEP
 from benchmarks.mpc_report import generators_of, mpc_table, start_table
-from ghc_sim_bridge.markdown import picture
+from ghc_sim_bridge.programs.markdown import picture
 
 TICK_FIGURE = "tick_time.png"
 

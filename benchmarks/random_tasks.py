@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.robot_config import RobotConfig
-from ghc_controller.rotation import quaternion_product, rotation_exp
+from ghc_controller.numerics.rotation import quaternion_product, rotation_exp
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.robot.robot import RobotConfig
 from ghc_controller.types import Array
 
 

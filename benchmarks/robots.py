@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from ghc_controller.robot_config import RobotConfig, load_robot_config
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.robots import find_robot
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import RobotConfig, load_robot_config
 from ghc_controller.tasks.frame_orientation import FrameOrientationTask
 from ghc_controller.tasks.frame_position import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask

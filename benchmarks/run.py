@@ -23,7 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.environ.setdefault(name, "1")
     from benchmarks.session import run_session
     from ghc_controller.errors import GhcError
-    from ghc_controller.stop_signals import interrupt_on_stop_signals
+    from ghc_controller.ros.stop_signals import interrupt_on_stop_signals
     from tools.workspace.errors import SetupError
 
     interrupt_on_stop_signals()

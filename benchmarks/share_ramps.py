@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.random_tasks import strict_matrix
 from ghc_controller.controller import Controller
 from ghc_controller.hierarchy import PriorityMatrix, Profile, Transition
-from ghc_controller.report import StepStatus
+from ghc_controller.report.report import StepStatus
 from ghc_controller.types import Array, RobotState
 
 STEPS = 100

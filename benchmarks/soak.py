@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     from benchmarks.soak_session import run_soak
     from ghc_controller.errors import GhcError
-    from ghc_controller.stop_signals import interrupt_on_stop_signals
+    from ghc_controller.ros.stop_signals import interrupt_on_stop_signals
 
     interrupt_on_stop_signals()
     try:

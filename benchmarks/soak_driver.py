@@ -14,12 +14,12 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from ghc_controller.errors import GhcError
-from ghc_controller.plan_conversions import PLAN_QOS
-from ghc_controller.ros_conversions import (
+from ghc_controller.ros.conversions.common import (
     CONTROL_PUBLISHER_QOS,
     nanoseconds_from_time,
     time_from_nanoseconds,
 )
+from ghc_controller.ros.conversions.previews import PLAN_QOS
 
 STEP_NS = 10_000_000  # [ns] T: ticks at 100 Hz
 CHANGE_EVERY = 10  # ticks

@@ -8,10 +8,10 @@ from ghc_msgs.msg import ContactSchedule as ContactScheduleMessage
 from rclpy.context import Context
 
 from benchmarks.soak_driver import CHANGE_EVERY, STEP_NS, Driver
-from ghc_controller.ros_conversions import time_from_nanoseconds
-from ghc_mpc_constraints.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.measurement import Measurement
-from ghc_mpc_constraints.ros_conversions import (
+from ghc_controller.ros.conversions.common import time_from_nanoseconds
+from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
+from ghc_mpc_constraints.ros.conversions import (
     SCHEDULE_QOS,
     SENSOR_PUBLISHER_QOS,
     measurement_message,

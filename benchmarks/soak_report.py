@@ -10,8 +10,8 @@ import numpy as np
 
 from benchmarks.memory import GROWTH_GOAL, MemoryCourse
 from benchmarks.soak_section import with_soak_section
-from ghc_sim_bridge.figure_style import colour, new_figure, save_png, styled
-from ghc_sim_bridge.markdown import picture, table
+from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
+from ghc_sim_bridge.programs.markdown import picture, table
 
 FIGURE = "generator_memory.png"
 

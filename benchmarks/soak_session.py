@@ -20,8 +20,8 @@ from benchmarks.soak_driver import STEP_NS, Driver
 from benchmarks.soak_inputs import DRIVERS
 from benchmarks.soak_report import FIGURE, plot_memory, soak_table, write_soak_section
 from ghc_controller.errors import GhcError
-from ghc_sim_bridge.processes import NodeProcesses
-from ghc_sim_bridge.ros_domain import DomainLock
+from ghc_sim_bridge.run.domain import DomainLock
+from ghc_sim_bridge.run.processes import NodeProcesses
 
 _PACKAGE = "ghc_mpc_constraints"
 _TELL_EVERY = 60.0  # [s] simulated

@@ -12,13 +12,13 @@ from benchmarks.pace import Pace
 from benchmarks.states import DT, Segment
 from benchmarks.timed_controller import TimedController, Variant
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.robot_config import RobotConfig, load_robot_config
-from ghc_controller.robots import find_robot
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import RobotState
-from ghc_sim_bridge.markdown import table
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.programs.markdown import table
+from ghc_sim_bridge.simulation.simulator import Simulator
 from tools.model_packages import install_missing
 from tools.workspace.layout import Layout
 

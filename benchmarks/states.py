@@ -9,8 +9,8 @@ import numpy as np
 
 from ghc_controller.constraints import ConstraintSet, TorqueCenter, TorqueLimit
 from ghc_controller.controller import Controller
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.robot_config import RobotConfig
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.robot.robot import RobotConfig
 from ghc_controller.types import Array, RobotState
 
 DT = 1e-3  # [s] control period

@@ -14,7 +14,7 @@ import numpy as np
 import ghc_controller
 from benchmarks.studies import Study, StudyWithFigure
 from ghc_controller.types import Array
-from ghc_sim_bridge.markdown import picture
+from ghc_sim_bridge.programs.markdown import picture
 
 _DIGITS = 4  # significant
 _INTRODUCTION = """# Studies

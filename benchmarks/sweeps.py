@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import ControlProblem
 from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
-from ghc_controller.reference import ReferenceTrajectory
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import Array, Bounds, RobotState
 
 _HAND_FIRST = "end_effector > elbow > posture"

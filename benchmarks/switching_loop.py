@@ -11,18 +11,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import FormulationSettings
 from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
 from ghc_controller.hierarchy.levels import levels
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.report import StepStatus
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.report.report import StepStatus
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import Array
+from ghc_sim_bridge.analysis.metrics import jerk_integral, peak_torque_rate
 from ghc_sim_bridge.errors import SimulationDiverged
-from ghc_sim_bridge.metrics import jerk_integral, peak_torque_rate
-from ghc_sim_bridge.run_plan import PlannedPhase, RunOptions, RunPlan, make_plan
-from ghc_sim_bridge.scenario import load_scenario
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.scenario.plan import PlannedPhase, RunOptions, RunPlan
+from ghc_sim_bridge.scenario.planning import make_plan
+from ghc_sim_bridge.scenario.scenario import load_scenario
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 SCENARIO = "priority_switching"
 _CALM = 3.0  # [s] at the end of a phase over which the speed is averaged

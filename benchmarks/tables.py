@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from benchmarks.timed_controller import PARTS, Variant
-from ghc_sim_bridge.markdown import table
+from ghc_sim_bridge.programs.markdown import table
 
 Row = dict[str, Any]
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from benchmarks.states import DT, Segment, begin, bound_torque
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
-from ghc_controller.report import StepStatus
-from ghc_controller.robot_config import RobotConfig
+from ghc_controller.report.report import StepStatus
+from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import Array, RobotState
 
 PARTS = {

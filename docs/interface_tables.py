@@ -12,9 +12,9 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from ghc_controller.parameters import ControllerParameters
-from ghc_mpc_constraints.parameters import ForceBoundParameters, ObstacleParameters
-from ghc_sim_bridge.parameters import BridgeParameters, RecorderParameters, ViewerParameters
+from ghc_controller.ros.parameters import ControllerParameters
+from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
+from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "interfaces.md"

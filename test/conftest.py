@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from ghc_sim_bridge.processes import NodeProcess
+    from ghc_sim_bridge.run.processes import NodeProcess
 
 # The message classes read it when they are imported: sizes and types of fields are then checked.
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
@@ -33,7 +33,7 @@ def _ros_log_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture
 def ros_domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """A domain id that no other test or experiment on this machine holds; children inherit it."""
-    from ghc_sim_bridge.ros_domain import DomainLock
+    from ghc_sim_bridge.run.domain import DomainLock
 
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     lock = DomainLock()
@@ -101,7 +101,8 @@ class RunningNode:
 @pytest.fixture
 def start_node(ros_domain_id: int, tmp_path: Path) -> Iterator[Callable[..., RunningNode]]:
     """Start `package executable *arguments` as `ros2 run` would; ended when the test ends."""
-    from ghc_sim_bridge.processes import NodeProcess, find_executable
+    from ghc_sim_bridge.run.executables import find_executable
+    from ghc_sim_bridge.run.processes import NodeProcess
 
     running: list[RunningNode] = []
 

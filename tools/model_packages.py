@@ -49,9 +49,9 @@ def install_missing(package: str, layout: Layout, lock: Path | None = None) -> N
 
 def packages_of(robots: list[str]) -> list[str]:
     """Names of the packages that the URDFs of some robots come with."""
-    from ghc_controller.config import read_yaml
-    from ghc_controller.robots import find_robot
-    from ghc_controller.urdf_source import package_of
+    from ghc_controller.robot.library import find_robot
+    from ghc_controller.robot.urdf import package_of
+    from ghc_controller.schema.reader import read_yaml
 
     files = [find_robot(robot) for robot in robots]
     names = [package_of(read_yaml(file).value("urdf"), file) for file in files]
@@ -61,8 +61,8 @@ def packages_of(robots: list[str]) -> list[str]:
 def main(arguments: list[str] | None = None) -> int:
     """Install what is missing; 0 when it is there, 1 when it could not be installed."""
     from ghc_controller.errors import GhcError
-    from ghc_controller.robots import list_robots
-    from ghc_sim_bridge.scenario import load_scenario
+    from ghc_controller.robot.library import list_robots
+    from ghc_sim_bridge.scenario.scenario import load_scenario
 
     parser = argparse.ArgumentParser(prog="python -m tools.model_packages", description=__doc__)
     which = parser.add_mutually_exclusive_group(required=True)

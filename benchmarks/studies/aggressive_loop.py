@@ -11,15 +11,15 @@ from benchmarks.models import STUDY_ROBOTS
 from benchmarks.random_tasks import random_matrix
 from benchmarks.study_results import shown
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy import PriorityMatrix, Transition
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.report import StepStatus
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.report.report import StepStatus
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import Array
 from ghc_sim_bridge.errors import SimulationDiverged
-from ghc_sim_bridge.markdown import table as markdown_table
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.programs.markdown import table as markdown_table
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "aggressive_loop"
 TITLE = "KUKA, five conflicting tasks under aggressive changes, default rate limit"

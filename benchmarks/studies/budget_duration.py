@@ -13,12 +13,12 @@ from benchmarks.budget_ramps import PERIOD, Case, begin_case, follow, whole_chan
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import target_references
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.hierarchy import Profile, Transition, matrix_from_hierarchy
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import RobotState
-from ghc_sim_bridge.figure_style import colour, new_figure, save_png, styled
-from ghc_sim_bridge.markdown import table as markdown_table
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
+from ghc_sim_bridge.programs.markdown import table as markdown_table
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "budget_duration"
 TITLE = "KUKA, duration of a transition against its torque-rate budget"

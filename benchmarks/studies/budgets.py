@@ -13,9 +13,9 @@ from benchmarks.models import STUDY_ROBOTS
 from benchmarks.random_tasks import Reach, random_references
 from benchmarks.study_results import shown, shown_spread, spread
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import RobotState
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "budgets"
 TITLE = "Transitions with a torque-rate budget"

@@ -18,7 +18,7 @@ from ghc_controller.formulations import (
     make_formulation,
 )
 from ghc_controller.qp import SolverSettings
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "chains"
 TITLE = "Chains of 63 and 126 joints with active bounds"

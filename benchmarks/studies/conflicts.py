@@ -11,14 +11,14 @@ from benchmarks.conflicting_targets import APART, Pair, conflicting_pairs
 from benchmarks.models import STUDY_ROBOTS, install_study_model
 from benchmarks.study_results import shown, shown_spread, spread
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.report import StepStatus
-from ghc_controller.robot_config import load_robot_config
-from ghc_controller.robots import find_robot
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.report.report import StepStatus
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import load_robot_config
+from ghc_controller.settings import ControllerSettings
 from ghc_sim_bridge.errors import SimulationDiverged
-from ghc_sim_bridge.markdown import table as markdown_table
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.programs.markdown import table as markdown_table
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "conflicts"
 TITLE = "Two conflicting targets: do arms come to rest?"

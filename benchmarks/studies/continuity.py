@@ -8,9 +8,9 @@ import numpy as np
 
 from benchmarks.study_results import shown
 from benchmarks.sweeps import problems_of, sweeps
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import SolutionStatus, make_formulation
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_controller.settings import ControllerSettings
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "continuity"
 TITLE = "Continuity: sweeps of state, target and bounds"

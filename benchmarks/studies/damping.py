@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import Timing, run_phases
 from ghc_controller.formulations import FormulationSettings
-from ghc_sim_bridge.figure_style import colour, new_figure, save_png, styled
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "damping"
 TITLE = "KUKA, damping of the levels and of the velocity"

@@ -8,16 +8,16 @@ import numpy as np
 
 from benchmarks.study_results import shown
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import ControlProblem, FormulationSettings, make_formulation
 from ghc_controller.hierarchy import (
     Priorities,
     generalized_projectors,
     smallest_singular_value,
 )
-from ghc_controller.reference import ReferenceTrajectory
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import Bounds, RobotState
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "duplicates"
 TITLE = "Duplicated tasks and absurd references"

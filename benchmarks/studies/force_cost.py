@@ -10,11 +10,11 @@ from benchmarks.icub_states import SCENE
 from benchmarks.models import install_model
 from benchmarks.study_results import shown
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
-from ghc_controller.reference import ReferenceTrajectory
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import RobotState
-from ghc_sim_bridge.markdown import table as markdown_table
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.programs.markdown import table as markdown_table
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "force_cost"
 TITLE = "Force cost against tasks, iCub standing still"

@@ -9,9 +9,9 @@ from typing import Any
 from benchmarks.icub_states import SEED, icub_controller, ten_task_problem, ten_task_states
 from benchmarks.problem_check import is_feasible, violation
 from benchmarks.study_results import shown, spread
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import SolutionStatus, make_formulation
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_controller.settings import ControllerSettings
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "icub_ten_tasks"
 TITLE = "iCub standing, ten tasks in random strict order"

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import Timing, run_phases
 from ghc_controller.formulations import DEFAULT_FORMULATION, FormulationSettings
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "phases"
 TITLE = "KUKA, five phases of priority_switching"

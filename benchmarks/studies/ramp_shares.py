@@ -12,9 +12,9 @@ from benchmarks.random_tasks import Reach, random_references, strict_matrix
 from benchmarks.share_ramps import KINDS, STEPS, Ramp, follow, orders_of
 from benchmarks.study_results import shown, spread
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.types import RobotState
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "ramp_shares"
 TITLE = "Ramps of 100 equal steps, state held"

@@ -13,9 +13,9 @@ from benchmarks.study_results import shown, shown_spread, spread
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy import PriorityMatrix, Transition, format_hierarchy
-from ghc_controller.report import StepStatus
+from ghc_controller.report.report import StepStatus
 from ghc_controller.types import Array, RobotState
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "ramps"
 TITLE = "iCub in random postures, priority changes in 0.3 s"

@@ -11,9 +11,9 @@ from benchmarks.bounded_problems import SEED, SIZES, bounded_problems
 from benchmarks.problem_check import violation
 from benchmarks.reference_cascade import Damping
 from benchmarks.study_results import shown, shown_spread, spread
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import SolutionStatus, make_formulation
-from ghc_sim_bridge.markdown import table as markdown_table
+from ghc_controller.settings import ControllerSettings
+from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "random_bounded"
 TITLE = "Random problems with active bounds"

@@ -9,11 +9,11 @@ import numpy as np
 
 from benchmarks.icub_states import SCENE, icub_controller
 from benchmarks.study_results import shown
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.report import StepStatus
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.report.report import StepStatus
 from ghc_sim_bridge.errors import SimulationDiverged
-from ghc_sim_bridge.markdown import table as markdown_table
-from ghc_sim_bridge.simulator import Simulator
+from ghc_sim_bridge.programs.markdown import table as markdown_table
+from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "standing"
 TITLE = "iCub standing, center of mass moved"

@@ -12,7 +12,7 @@ setup(
     maintainer="GHC control stack maintainers",
     maintainer_email="maintainers@ghc-control.example",
     packages=find_packages(),
-    package_data={package_name: ["py.typed", "robots/**/*"]},
+    package_data={package_name: ["py.typed", "robot/data/**/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -20,8 +20,8 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "controller = ghc_controller.controller_node:main",
-            "transition = ghc_controller.transition_node:main",
+            "controller = ghc_controller.ros.controller_node:main",
+            "transition = ghc_controller.ros.transition:main",
         ]
     },
 )

@@ -1,4 +1,4 @@
-"""Installs the constraint generators: a plain Python library, two nodes and the studies."""
+"""Installs the constraint generators: a plain Python library and two nodes."""
 
 from setuptools import find_packages, setup
 
@@ -20,9 +20,8 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "contact_force_bounds = ghc_mpc_constraints.contact_force_bounds_node:main",
-            "obstacle_bounds = ghc_mpc_constraints.obstacle_bounds_node:main",
-            "studies = ghc_mpc_constraints.studies.main:main",
+            "contact_force_bounds = ghc_mpc_constraints.ros.contact_force_bounds_node:main",
+            "obstacle_bounds = ghc_mpc_constraints.ros.obstacle_bounds_node:main",
         ]
     },
 )

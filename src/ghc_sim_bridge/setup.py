@@ -12,7 +12,7 @@ setup(
     maintainer="GHC control stack maintainers",
     maintainer_email="maintainers@ghc-control.example",
     packages=find_packages(),
-    package_data={package_name: ["py.typed", "scenes/**/*", "scenarios/**/*"]},
+    package_data={package_name: ["py.typed", "scene/data/**/*", "scenario/data/**/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -20,13 +20,14 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "sim_bridge = ghc_sim_bridge.sim_bridge_node:main",
-            "experiment = ghc_sim_bridge.experiment:main",
-            "recorder = ghc_sim_bridge.recorder_node:main",
-            "viewer = ghc_sim_bridge.viewer_node:main",
-            "campaign = ghc_sim_bridge.campaign:main",
-            "paper = ghc_sim_bridge.paper:main",
-            "picture = ghc_sim_bridge.picture:main",
+            "sim_bridge = ghc_sim_bridge.ros.bridge_node:main",
+            "experiment = ghc_sim_bridge.programs.experiment:main",
+            "recorder = ghc_sim_bridge.ros.recorder_node:main",
+            "viewer = ghc_sim_bridge.ros.viewer_node:main",
+            "campaign = ghc_sim_bridge.programs.campaign:main",
+            "paper = ghc_sim_bridge.programs.paper.paper:main",
+            "studies = ghc_sim_bridge.programs.studies.main:main",
+            "picture = ghc_sim_bridge.programs.picture:main",
         ]
     },
 )

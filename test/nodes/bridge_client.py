@@ -17,8 +17,8 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
-from ghc_controller.robots import find_robot
-from ghc_controller.ros_conversions import (
+from ghc_controller.robot.library import find_robot
+from ghc_controller.ros.conversions.common import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
     nanoseconds_from_time,

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from bridge_client import ROBOT, BridgeClient, GravityModel, answer
 
-from ghc_controller.ros_conversions import nanoseconds_from_time
-from ghc_sim_bridge.full_rate_log import FullRateLog, Source
-from ghc_sim_bridge.processes import NodeProcess
+from ghc_controller.ros.conversions.common import nanoseconds_from_time
+from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
+from ghc_sim_bridge.run.processes import NodeProcess
 
 RATE_LIMIT = 1000.0  # [Nm/s]
 CONTROLLER = Path(__file__).with_name("bridge_client.py")

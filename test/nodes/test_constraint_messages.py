@@ -11,17 +11,20 @@ from ghc_msgs.msg import ContactForceBounds, ControllerState, ObstacleState, Obs
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
-from ghc_controller.constraints.motion_plan import MotionPlan
 from ghc_controller.contacts import ForceBoundsPlan
 from ghc_controller.errors import GhcError, InvalidValue
-from ghc_controller.plan_conversions import force_bounds_from_message, obstacle_motion_from_message
-from ghc_controller.ros_conversions import time_from_seconds
-from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds as Generator
-from ghc_mpc_constraints.contact_force_bounds import ForceBoundSettings
-from ghc_mpc_constraints.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.measurement import Measurement
-from ghc_mpc_constraints.obstacle_bounds import ObstacleBounds, ObstacleSettings
-from ghc_mpc_constraints.ros_conversions import (
+from ghc_controller.previews.motion_plan import MotionPlan
+from ghc_controller.ros.conversions.common import time_from_seconds
+from ghc_controller.ros.conversions.previews import (
+    force_bounds_from_message,
+    obstacle_motion_from_message,
+)
+from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds as Generator
+from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
+from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
+from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, ObstacleSettings
+from ghc_mpc_constraints.ros.conversions import (
     bounds_in_force,
     force_bounds_message,
     header_of,

@@ -23,7 +23,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros_conversions import (
+from ghc_controller.ros.conversions.common import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
     LATCHED_QOS,
@@ -164,7 +164,7 @@ BAD_REQUESTS: list[tuple[dict[str, Any], list[str]]] = [
     ({"hierarchy": "elbow", "tasks": ["elbow"], "alpha": [0.0]}, ["both", "one of them"]),
     (
         {"tasks": ["end_effector", "elbow", "posture"], "alpha": [1.0] * 9},
-        ["13b", "smallest singular value", "end_effector, elbow, posture"],
+        ["no task is left", "end_effector, elbow, posture"],
     ),
 ]
 

@@ -15,8 +15,8 @@ import pytest
 import yaml
 from mcap.reader import make_reader
 
-from ghc_sim_bridge.full_rate_log import FullRateLog, Source
-from ghc_sim_bridge.scenario import scenario_names
+from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
+from ghc_sim_bridge.scenario.scenario import scenario_names
 
 pytestmark = pytest.mark.timeout(400)
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import yaml
 
-from ghc_sim_bridge.constraint_series import ConstraintSeries
-from ghc_sim_bridge.full_rate_log import FullRateLog
-from ghc_sim_bridge.scenario import find_scenario
-from ghc_sim_bridge.scene_description import find_scene
+from ghc_sim_bridge.logs.constraint_series import ConstraintSeries
+from ghc_sim_bridge.logs.full_rate_log import FullRateLog
+from ghc_sim_bridge.scenario.scenario import find_scenario
+from ghc_sim_bridge.scene.description import find_scene
 
 pytestmark = pytest.mark.timeout(400)
 

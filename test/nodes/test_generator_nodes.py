@@ -21,22 +21,22 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from ghc_controller.plan_conversions import (
-    PLAN_QOS,
-    force_bounds_from_message,
-    obstacle_motion_from_message,
-)
-from ghc_controller.ros_conversions import (
+from ghc_controller.ros.conversions.common import (
     CONTROL_PUBLISHER_QOS,
     STREAM_QOS,
     nanoseconds_from_time,
     time_from_seconds,
 )
-from ghc_mpc_constraints import contact_schedule
-from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds as Generator
-from ghc_mpc_constraints.contact_force_bounds import ForceBoundSettings
-from ghc_mpc_constraints.measurement import Measurement
-from ghc_mpc_constraints.ros_conversions import (
+from ghc_controller.ros.conversions.previews import (
+    PLAN_QOS,
+    force_bounds_from_message,
+    obstacle_motion_from_message,
+)
+from ghc_mpc_constraints.force_bounds import contact_schedule
+from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds as Generator
+from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
+from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
+from ghc_mpc_constraints.ros.conversions import (
     SCHEDULE_QOS,
     SENSOR_PUBLISHER_QOS,
     measurement_message,

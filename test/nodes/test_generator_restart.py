@@ -16,11 +16,11 @@ from ghc_msgs.msg import ContactSchedule, ControllerState
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from ghc_controller.robot_config import load_robot_config
-from ghc_controller.robots import find_robot
-from ghc_controller.ros_conversions import STREAM_QOS, nanoseconds_from_time
-from ghc_mpc_constraints.contact_schedule import ContactSchedule as Schedule
-from ghc_mpc_constraints.ros_conversions import SCHEDULE_QOS, schedule_message
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import load_robot_config
+from ghc_controller.ros.conversions.common import STREAM_QOS, nanoseconds_from_time
+from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule as Schedule
+from ghc_mpc_constraints.ros.conversions import SCHEDULE_QOS, schedule_message
 
 DEADLINE = 90.0  # [s] wall, for anything that must happen
 RATE_LIMIT = 1000.0  # [Nm/s], at a control period of 1 ms: 1 Nm per period

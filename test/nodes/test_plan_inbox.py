@@ -11,8 +11,8 @@ from ghc_msgs.msg import ContactForceBounds
 
 from ghc_controller.contacts import ForceBoundsPlan, PlanStatus
 from ghc_controller.errors import UnknownName
-from ghc_controller.plan_inbox_node import FORCE_BOUNDS, PlanInbox
-from ghc_mpc_constraints.ros_conversions import force_bounds_message
+from ghc_controller.ros.previews import FORCE_BOUNDS, PlanInbox
+from ghc_mpc_constraints.ros.conversions import force_bounds_message
 
 MS = 1_000_000  # [ns]
 

@@ -16,9 +16,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from ghc_controller.ros_conversions import CONTROL_PUBLISHER_QOS, time_from_nanoseconds
-from ghc_sim_bridge.message_schema import message_schema
-from ghc_sim_bridge.recorder_node import is_fast
+from ghc_controller.ros.conversions.common import CONTROL_PUBLISHER_QOS, time_from_nanoseconds
+from ghc_sim_bridge.ros.message_schema import message_schema
+from ghc_sim_bridge.ros.recorder_node import is_fast
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STEPS = 100  # [-] control periods of 1 ms

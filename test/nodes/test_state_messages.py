@@ -13,12 +13,20 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from ghc_controller.cdr import read_stamp
 from ghc_controller.errors import InvalidValue
-from ghc_controller.joint_state_cdr import JointStateDecoder, JointStateEncoder, JointStateLayout
-from ghc_controller.ros_conversions import nanoseconds_from_time, time_from_nanoseconds
-from ghc_controller.state_conversions import base_from_bytes, read_joint_state, wrench_from_bytes
-from ghc_sim_bridge.state_cdr import OdometryEncoder, WrenchEncoder, encode_clock
+from ghc_controller.ros.conversions.common import nanoseconds_from_time, time_from_nanoseconds
+from ghc_controller.ros.conversions.states import (
+    base_from_bytes,
+    read_joint_state,
+    wrench_from_bytes,
+)
+from ghc_controller.ros.wire.cdr import read_stamp
+from ghc_controller.ros.wire.joint_state import (
+    JointStateDecoder,
+    JointStateEncoder,
+    JointStateLayout,
+)
+from ghc_sim_bridge.bridge.state_cdr import OdometryEncoder, WrenchEncoder, encode_clock
 
 STAMPS = (0, 1, 999_999_999, 1_000_000_000, 12_345_678_901_234)  # [ns]
 

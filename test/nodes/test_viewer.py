@@ -13,7 +13,7 @@ import pytest
 from bridge_client import DEADLINE, ROBOT, BridgeClient, GravityModel
 from ghc_msgs.msg import ControllerState, TaskState
 
-from ghc_sim_bridge.viewer_process import start_viewer
+from ghc_sim_bridge.viewer.process import start_viewer
 
 
 @pytest.fixture

@@ -24,9 +24,12 @@ from benchmarks.run import main
 from benchmarks.step_bench import REGIMES, VARIANTS
 from benchmarks.tables import loop_table
 from benchmarks.timed_controller import PARTS
-from ghc_controller.ros_conversions import STREAM_QOS, nanoseconds_from_time
-from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds, ForceBoundSettings
-from ghc_sim_bridge.full_rate_log import FullRateLog, Source
+from ghc_controller.ros.conversions.common import STREAM_QOS, nanoseconds_from_time
+from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+    ContactForceBounds,
+    ForceBoundSettings,
+)
+from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
 
 pytestmark = pytest.mark.timeout(600)  # [s] it compiles what no other test does
 

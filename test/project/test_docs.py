@@ -18,10 +18,10 @@ from doc_text import DOCUMENTS, GENERATED, ROOT, anchors, blocks, commands, link
 from docs.interface_tables import DOCUMENT, MESSAGES, NODES, rendered, tables
 from ghc_controller.errors import UnknownName
 from ghc_controller.hierarchy import matrix_from_hierarchy
-from ghc_controller.robot_config import load_robot_config
-from ghc_controller.robots import find_robot
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.tasks import task_kinds
-from ghc_sim_bridge.processes import find_executable
+from ghc_sim_bridge.run.executables import find_executable
 
 INTERFACES = DOCUMENT.read_text(encoding="utf-8")
 OWN_ROBOT = ROOT / "docs" / "own_robot.md"

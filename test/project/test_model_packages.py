@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ghc_controller.robots import list_robots
+from ghc_controller.robot.library import list_robots
 from tools import model_packages
 from tools.workspace.errors import SetupError
 from tools.workspace.layout import Layout

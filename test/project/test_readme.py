@@ -20,16 +20,16 @@ from PIL import Image
 from docs.interface_tables import NODES
 from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.hierarchy import matrix_from_hierarchy
-from ghc_controller.parameters import ControllerParameters
-from ghc_controller.request_conversions import reference_from_message, transition_from_message
-from ghc_controller.robot_config import load_robot_config
-from ghc_controller.robots import find_robot
-from ghc_controller.transition_node import _parser as transition_arguments
-from ghc_sim_bridge.parameters import BridgeParameters
-from ghc_sim_bridge.phase_table import phase_table
-from ghc_sim_bridge.processes import find_executable
-from ghc_sim_bridge.scenario import load_scenario
-from ghc_sim_bridge.watchdog import FRESH_COMMANDS_TO_RESUME
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import load_robot_config
+from ghc_controller.ros.conversions.requests import reference_from_message, transition_from_message
+from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.ros.transition import _parser as transition_arguments
+from ghc_sim_bridge.analysis.phase_table import phase_table
+from ghc_sim_bridge.bridge.watchdog import FRESH_COMMANDS_TO_RESUME
+from ghc_sim_bridge.ros.parameters import BridgeParameters
+from ghc_sim_bridge.run.executables import find_executable
+from ghc_sim_bridge.scenario.scenario import load_scenario
 
 TEXT = README.read_text(encoding="utf-8")
 COMMANDS = commands(README)

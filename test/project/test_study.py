@@ -21,8 +21,8 @@ from benchmarks.study import main
 from benchmarks.study_results import rounded, spread, store, write_document
 from ghc_controller.formulations import FORMULATIONS, SolutionStatus, make_formulation
 from ghc_controller.hierarchy import PriorityMatrix, matrix_from_hierarchy
-from ghc_controller.robot_config import load_robot_config
-from ghc_controller.robots import find_robot
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.types import Bounds
 
 ROOT = Path(__file__).resolve().parents[2]

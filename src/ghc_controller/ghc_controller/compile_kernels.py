@@ -9,15 +9,15 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ghc_controller.config import Fields, read_yaml
 from ghc_controller.contacts import Contact
 from ghc_controller.controller import Controller
-from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.formulations import FORMULATIONS
-from ghc_controller.robot_config import RobotConfig, load_robot_config
-from ghc_controller.robots import find_robot, list_robots
+from ghc_controller.robot.library import find_robot, list_robots
+from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.urdf import package_of
+from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_controller.settings import ControllerSettings
 from ghc_controller.tasks.registry import make_task
-from ghc_controller.urdf_source import package_of
 
 _GAINS: dict[str, object] = {"stiffness": 30.0, "damping": 20.0}
 _CONTACTS: tuple[dict[str, object], ...] = (

@@ -9,7 +9,6 @@ from time import perf_counter
 
 import numpy as np
 
-from ghc_controller.braking import braking_torque
 from ghc_controller.constraints.obstacle import ObstacleDistance
 from ghc_controller.contacts import (
     BoundsInForce,
@@ -18,15 +17,8 @@ from ghc_controller.contacts import (
     NormalBounds,
     solve_settled,
 )
-from ghc_controller.controller_settings import ControllerSettings, make_constraints
 from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_controller.formulations import (
-    FORMULATIONS,
-    ContactRows,
-    ControlProblem,
-    make_formulation,
-)
-from ghc_controller.formulations.reduction import kept_by_contacts
+from ghc_controller.formulations import FORMULATIONS, make_formulation
 from ghc_controller.hierarchy import (
     Solvability,
     Transition,
@@ -36,21 +28,25 @@ from ghc_controller.hierarchy import (
     matrix_from_hierarchy,
     smallest_singular_value,
 )
-from ghc_controller.output_gate import OutputGate
+from ghc_controller.problem.control_problem import ContactRows, ControlProblem
+from ghc_controller.problem.reduction import kept_by_contacts
 from ghc_controller.qp import make_solver
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.reference_schedule import ReferenceSchedule
-from ghc_controller.report import ObstacleReport, Report, StepResult, StepStatus
-from ghc_controller.reporting import (
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.references.schedule import ReferenceSchedule
+from ghc_controller.report.report import ObstacleReport, Report, StepResult, StepStatus
+from ghc_controller.report.reporting import (
     Limits,
     contact_report,
     load_report,
     make_report,
     task_reports,
 )
-from ghc_controller.robot_config import RobotConfig, load_robot_config
-from ghc_controller.robots import find_robot
-from ghc_controller.task_stack import TaskStack
+from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.safety.braking import braking_torque
+from ghc_controller.safety.gate import OutputGate
+from ghc_controller.settings import ControllerSettings, make_constraints
+from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_controller.warm_up import warm_up
 

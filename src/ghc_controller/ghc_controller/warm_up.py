@@ -3,22 +3,50 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
-from ghc_controller.constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
-from ghc_controller.contacts import ForceBoundsPlan, PlanStatus
-from ghc_controller.formulations import ControlProblem
+from ghc_controller.constraints.obstacle import ObstacleDistance
+from ghc_controller.contacts import BoundsInForce, ContactSet
+from ghc_controller.formulations import Formulation
+from ghc_controller.hierarchy import Solvability, TransitionSchedule
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.ramp import PacedPriorities, Ramp
-from ghc_controller.reference import ReferenceTrajectory
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus
+from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.report.report import StepResult
+from ghc_controller.robot.robot import RobotConfig
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Bounds, RobotState
+from ghc_controller.types import Array, Bounds, RobotState
 
-if TYPE_CHECKING:
-    from ghc_controller.controller import Controller
+
+class Controller(Protocol):
+    """What is used of a controller."""
+
+    @property
+    def robot(self) -> RobotConfig: ...
+    @property
+    def model(self) -> RobotModel: ...
+    @property
+    def contacts(self) -> ContactSet: ...
+    @property
+    def force_bounds(self) -> BoundsInForce: ...
+    @property
+    def obstacles(self) -> ObstacleDistance: ...
+    @property
+    def formulation(self) -> Formulation: ...
+    @property
+    def priorities(self) -> TransitionSchedule: ...
+    def add_reference(self, reference: ReferenceTrajectory) -> None: ...
+    def step(self, state: RobotState) -> StepResult: ...
+    def problem(self) -> ControlProblem: ...
+    def sigma_min_of(self, alpha: Array) -> float: ...
+    def solvability(self) -> Solvability: ...
+    def reset(self) -> None: ...
 
 
 def warm_up(controller: Controller) -> None:

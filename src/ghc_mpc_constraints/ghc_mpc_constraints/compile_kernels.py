@@ -6,8 +6,11 @@ a second, without it some ten seconds.
 
 from __future__ import annotations
 
-from ghc_mpc_constraints.contact_force_bounds import ContactForceBounds, ForceBoundSettings
-from ghc_mpc_constraints.obstacle_bounds import ObstacleBounds, ObstacleSettings
+from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+    ContactForceBounds,
+    ForceBoundSettings,
+)
+from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, ObstacleSettings
 
 
 def main() -> None:

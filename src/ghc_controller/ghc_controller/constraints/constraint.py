@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ghc_controller.errors import InvalidValue, WrongSize
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
 
 

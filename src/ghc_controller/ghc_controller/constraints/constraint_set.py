@@ -10,7 +10,7 @@ import numpy as np
 from ghc_controller.constraints.box import Box, Slack, merge_boxes
 from ghc_controller.constraints.constraint import Constraint, Softness, Space, Tick
 from ghc_controller.errors import InvalidValue
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
 
 

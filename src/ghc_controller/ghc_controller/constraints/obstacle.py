@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from ghc_controller.constraints.motion_plan import MotionPlan, PlannedObstacle
 from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_controller.formulations.problem import AccelerationRows
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.previews.motion_plan import MotionPlan, PlannedObstacle
+from ghc_controller.problem.control_problem import AccelerationRows
 from ghc_controller.types import Array
 
 

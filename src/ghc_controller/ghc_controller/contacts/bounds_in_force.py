@@ -3,28 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.contacts.bounds_plan import ForceBoundsPlan
 from ghc_controller.contacts.contact import Contact, OnStale
-from ghc_controller.contacts.late_plan import Way
+from ghc_controller.contacts.normal_bounds import NormalBounds, Way
 from ghc_controller.errors import UnknownName
-from ghc_controller.types import Array
+from ghc_controller.previews.bounds_plan import ForceBoundsPlan
 
 _AGE_TOLERANCE = 1e-9  # [s]
 _NOWHERE = np.zeros(0, dtype=np.intp)
-
-
-@dataclass(frozen=True, slots=True)
-class NormalBounds:
-    """F_lower <= F_n <= F_upper of every contact (thesis, eq. 5.5), and which contacts are on."""
-
-    lower: Array  # (c,) [N]
-    upper: Array  # (c,) [N]
-    active: tuple[bool, ...]  # (c,)
-    stale: tuple[str, ...]  # contacts whose plan has ended
 
 
 class BoundsInForce:

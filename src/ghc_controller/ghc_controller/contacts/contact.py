@@ -7,11 +7,11 @@ from enum import Enum
 
 import numpy as np
 
-from ghc_controller.config import Fields
-from ghc_controller.contacts.sensing import Sensing
+from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.errors import InvalidValue
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.tasks.follower import Follower
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.references.follower import Follower
+from ghc_controller.schema.reader import Fields
 from ghc_controller.types import Array
 
 _SURFACE_POINTS = 3  # as many points fix all six coordinates of a frame

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ghc_controller.contacts.bounds_in_force import NormalBounds
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.kernels import force_limits, write_contact
+from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.errors import InvalidValue
-from ghc_controller.formulations import ContactRows
-from ghc_controller.reference_schedule import ReferenceSchedule
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.problem.control_problem import ContactRows
+from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.types import Array
 
 _STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.kernels import write_force_cost
-from ghc_controller.reference_schedule import ReferenceSchedule
+from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.types import Array
 
 _WEIGHT = 1e-4  # [-] on |f|^2, beside the unit weight of task accelerations

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ghc_controller.small_factors import inverse_factor
+from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.types import Array
 
 

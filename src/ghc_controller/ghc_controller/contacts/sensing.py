@@ -4,39 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ghc_controller.config import Fields
-
-if TYPE_CHECKING:
-    from ghc_controller.contacts.bounds_in_force import BoundsInForce, NormalBounds
-    from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.bounds_in_force import BoundsInForce
+from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.normal_bounds import NormalBounds
+from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.types import Array
-
-
-@dataclass(frozen=True, slots=True)
-class Sensing:
-    """Numbers by which one contact is sensed; all positive."""
-
-    threshold: float = 5.0  # [N] measured normal force from which on it counts as touched
-    rise_rate: float = 200.0  # [N/s] of the upper bound after a touch that came late
-    early: float = 0.5  # [s] before its scheduled time a touch is believed
-    patience: float = 0.2  # [s] that a scheduled break waits for the force to go
-
-    @classmethod
-    def from_config(cls, fields: Fields) -> Sensing:
-        """Build from the `sensing` section of a contact in robot.yaml."""
-        default = cls()
-        sensing = cls(
-            fields.number("threshold", default.threshold, minimum=1e-3),
-            fields.number("rise_rate", default.rise_rate, minimum=1e-3),
-            fields.number("early", default.early, minimum=0.0),
-            fields.number("patience", default.patience, minimum=0.0),
-        )
-        fields.done()
-        return sensing
 
 
 @dataclass(slots=True)

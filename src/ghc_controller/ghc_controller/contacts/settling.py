@@ -8,13 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ghc_controller.contacts.contact_set import ContactSet
-from ghc_controller.formulations import (
-    ContactRows,
-    ControlProblem,
-    Formulation,
-    Solution,
-    SolutionStatus,
-)
+from ghc_controller.formulations import Formulation
+from ghc_controller.problem.control_problem import ContactRows, ControlProblem
+from ghc_controller.problem.solution import Solution, SolutionStatus
 
 _FURTHER_SOLVES = 3  # at most, in a step in which a contact comes on
 _SETTLED = 1e-2  # [Nm] change of torque between two of them that ends it

@@ -5,19 +5,18 @@ A new one is a new file with a Formulation, and one line in FORMULATIONS.
 
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations.balanced import BalancedGhc
-from ghc_controller.formulations.cascade import Cascade
+from ghc_controller.formulations.cascade.cascade import Cascade
 from ghc_controller.formulations.formulation import (
     Formulation,
     FormulationSettings,
-    Solution,
-    SolutionStatus,
     TorqueRegularization,
 )
 from ghc_controller.formulations.ghc import CondensedGhc
 from ghc_controller.formulations.ghc_full import FullGhc
 from ghc_controller.formulations.hqp import Hqp
-from ghc_controller.formulations.problem import AccelerationRows, ContactRows, ControlProblem
 from ghc_controller.formulations.weighted import Weighted
+from ghc_controller.problem.control_problem import AccelerationRows, ContactRows, ControlProblem
+from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.qp import QpSolver, make_solver
 
 FORMULATIONS: dict[str, type[Formulation]] = {

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import solve_qp, unbounded_answer
-from ghc_controller.formulations.formulation import Formulation, Solution
+from ghc_controller.formulations.formulation import Formulation
 from ghc_controller.formulations.kernels import (
     balanced_system,
     balanced_target,
 )
-from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.reduction import reduce_contacts
 from ghc_controller.formulations.weight_kernels import weighted_system
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order
 from ghc_controller.hierarchy.solvability import Solvability
-from ghc_controller.small_factors import inverse_factor
+from ghc_controller.numerics.small_factors import inverse_factor
+from ghc_controller.problem.bounded_qp import solve_qp, unbounded_answer
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.qp_rows import Parametrization
+from ghc_controller.problem.reduction import reduce_contacts
+from ghc_controller.problem.solution import Solution
 from ghc_controller.types import Array
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped

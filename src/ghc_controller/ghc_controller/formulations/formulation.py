@@ -5,12 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import NamedTuple
 
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.projector import (
     ProjectorSettings,
@@ -18,6 +16,8 @@ from ghc_controller.hierarchy.projector import (
     smallest_singular_value,
 )
 from ghc_controller.hierarchy.solvability import Solvability
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.solution import Solution
 from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
 
@@ -68,57 +68,6 @@ class FormulationSettings:
             raise InvalidValue(
                 f"velocity_damping = {self.velocity_damping} 1/s given, at least 0 expected"
             )
-
-
-NO_FORCE = np.zeros(0)
-
-
-class SolutionStatus(Enum):
-    """How the torque came about; the numbers of ghc_msgs/ControllerState."""
-
-    SOLVED = 0
-    RELAXED = 1
-    FAILED = 2
-
-
-class Solution(NamedTuple):
-    """Accelerations, contact forces and torques of one control problem."""
-
-    acceleration: Array  # (n,) x
-    force: Array  # (c,) contact forces
-    torque: Array  # (a,) [Nm]
-    status: SolutionStatus
-    qp_solved: bool  # False: the unconstrained optimum met every bound
-    primal_residual: float = 0.0  # largest violation of a row of the QP, as `violation`
-    dual_residual: float = 0.0
-    iterations: int = 0
-    acceleration_slack: Array | None = None  # (n,) by how far the soft box gave way
-    rows_slack: Array | None = None  # (r,) by how far the general rows gave way
-    force_slack: Array | None = None  # (r,) by how far the rows on contact forces gave way [N]
-    rate_gave_way: bool = False
-    progress: float = 0.0  # [-] of a ramp with a torque-rate budget
-    levels_dropped: int = 0  # last levels that have no part in it: no pivot was left for them
-    violation: float = 0.0  # [rad/s^2], [Nm] or [N] largest one of a row, what gave way aside
-    reason: str = ""  # in words, where the status is FAILED or the answer is feasible and no more
-
-    @classmethod
-    def without_answer(cls, problem: ControlProblem, reason: str) -> Solution:
-        """No answer to a problem: NaN, and the reason in words."""
-        n = problem.bias.shape[0]
-        return cls(
-            np.full(n, np.nan),
-            np.zeros(0),
-            np.full(n - problem.unactuated, np.nan),
-            SolutionStatus.FAILED,
-            True,
-            violation=np.inf,
-            reason=reason,
-        )
-
-    @classmethod
-    def unbounded(cls, acceleration: Array, torque: Array, force: Array = NO_FORCE) -> Solution:
-        """The unconstrained optimum, which met every bound: no QP was needed."""
-        return cls(acceleration, force, torque, SolutionStatus.SOLVED, qp_solved=False)
 
 
 class Formulation(ABC):

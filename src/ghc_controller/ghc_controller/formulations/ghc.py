@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import solve_bounded, solve_qp, unbounded_answer
 from ghc_controller.formulations.formulation import (
     Formulation,
     FormulationSettings,
-    Solution,
     TorqueRegularization,
 )
 from ghc_controller.formulations.kernels import ghc_factor, ghc_target
-from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.reduction import ReducedProblem, reduce_contacts
+from ghc_controller.problem.bounded_qp import solve_bounded, solve_qp, unbounded_answer
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.qp_rows import Parametrization
+from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts
+from ghc_controller.problem.solution import Solution
 from ghc_controller.types import Array
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import solve_qp
-from ghc_controller.formulations.formulation import Formulation, Solution, TorqueRegularization
+from ghc_controller.formulations.formulation import Formulation, TorqueRegularization
 from ghc_controller.formulations.ghc import torque_reference
-from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.reduction import reduce_contacts
 from ghc_controller.hierarchy.projector import generalized_projectors
+from ghc_controller.problem.bounded_qp import solve_qp
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.qp_rows import Parametrization
+from ghc_controller.problem.reduction import reduce_contacts
+from ghc_controller.problem.solution import Solution
 
 
 class FullGhc(Formulation):

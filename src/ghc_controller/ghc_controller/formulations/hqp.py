@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import solve_qp
-from ghc_controller.formulations.force_center import balanced_contacts
-from ghc_controller.formulations.formulation import Formulation, Solution, SolutionStatus
-from ghc_controller.formulations.level_answers import (
+from ghc_controller.formulations.cascade.force_center import balanced_contacts
+from ghc_controller.formulations.cascade.level_answers import (
     UPPER_FORCE_WEIGHT,
     free_answer,
     keep_feasible,
@@ -15,10 +13,13 @@ from ghc_controller.formulations.level_answers import (
     reduced_acceleration,
     rows_of,
 )
-from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.formulations.reduction import reduce_contacts
+from ghc_controller.formulations.formulation import Formulation
 from ghc_controller.hierarchy.levels import levels
-from ghc_controller.small_factors import inverse_factor
+from ghc_controller.numerics.small_factors import inverse_factor
+from ghc_controller.problem.bounded_qp import solve_qp
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.reduction import reduce_contacts
+from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.types import Array
 
 

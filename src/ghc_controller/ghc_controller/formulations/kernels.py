@@ -11,7 +11,7 @@ from numba import njit
 
 from ghc_controller.hierarchy.directions import Starts, selected_values
 from ghc_controller.hierarchy.projector import write_projectors
-from ghc_controller.small_factors import (
+from ghc_controller.numerics.small_factors import (
     add_combination,
     cholesky,
     damped_factor,

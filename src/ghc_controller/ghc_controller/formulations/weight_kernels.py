@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from ghc_controller.hierarchy.directions import Starts, selected_values
-from ghc_controller.small_factors import add_combination
+from ghc_controller.numerics.small_factors import add_combination
 from ghc_controller.types import Array
 
 

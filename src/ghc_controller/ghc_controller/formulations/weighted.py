@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from ghc_controller.formulations.bounded_qp import solve_bounded
-from ghc_controller.formulations.formulation import Formulation, Solution
-from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.reduction import reduce_contacts
+from ghc_controller.formulations.formulation import Formulation
 from ghc_controller.formulations.weight_kernels import weighted_system
-from ghc_controller.small_factors import inverse_factor
+from ghc_controller.numerics.small_factors import inverse_factor
+from ghc_controller.problem.bounded_qp import solve_bounded
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.qp_rows import Parametrization
+from ghc_controller.problem.reduction import reduce_contacts
+from ghc_controller.problem.solution import Solution
 
 _LARGEST_WEIGHT = 1e6  # [-] of a task; ratio^s would be 1e18 for ten tasks
 

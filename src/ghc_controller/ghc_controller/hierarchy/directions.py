@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ghc_controller.small_factors import REORDERED_SUMS
+from ghc_controller.numerics.small_factors import REORDERED_SUMS
 from ghc_controller.types import Array
 
 Starts = NDArray[np.int64]

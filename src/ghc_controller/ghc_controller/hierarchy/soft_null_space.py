@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from ghc_controller.small_factors import REORDERED_SUMS
+from ghc_controller.numerics.small_factors import REORDERED_SUMS
 from ghc_controller.types import Array
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 
@@ -30,8 +32,13 @@ class Solvability(NamedTuple):
         """Least measure from `start` (which is in force anyway) to `target`.
 
         Raises:
-            InvalidValue: it falls below `least`.
+            InvalidValue: it falls below `least`, or no task is left.
         """
+        if (np.diag(target) >= 1.0).all():
+            raise InvalidValue(
+                "no task is left: all alpha_ii of the target are 1; at least one task expected of "
+                + ", ".join(tasks)
+            )
         count = _RAMP_SAMPLES if self.along_ramp else 1
         shares = [(sample + 1) / count for sample in range(count)]
         smallest = min(self.measure(start + share * (target - start)) for share in shares)

@@ -7,7 +7,8 @@ from ghc_controller.qp.residuals import (
     Residuals,
     residuals,
 )
-from ghc_controller.qp.solver import SOLVERS, QpSolver, SolverSettings, make_solver
+from ghc_controller.qp.solver import QpSolver, SolverSettings
+from ghc_controller.qp.solvers import SOLVERS, make_solver
 
 __all__ = [
     "RESIDUAL_TOLERANCE",

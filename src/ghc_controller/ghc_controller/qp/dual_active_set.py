@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
-from ghc_controller.small_factors import REORDERED_SUMS, inverse_factor
+from ghc_controller.numerics.small_factors import REORDERED_SUMS, inverse_factor
 from ghc_controller.types import Array
 
 SOLVED, INFEASIBLE, LIMIT, FAILED = 0, 1, 2, 3

@@ -1,12 +1,10 @@
-"""The interface of a QP solver, its budget, and the choice between solvers."""
+"""The interface of a QP solver and its budget."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 
-from ghc_controller.errors import UnknownName
 from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus
 from ghc_controller.qp.residuals import Residuals, residuals
 from ghc_controller.types import Array
@@ -111,33 +109,3 @@ class QpSolver(ABC):
     @abstractmethod
     def run(self, problem: QpProblem, limit: int) -> QpResult:
         """Solve a QP of finite numbers in at most `limit` pivots."""
-
-
-def _proxqp(settings: SolverSettings) -> QpSolver:
-    from ghc_controller.qp.proxqp_solver import ProxqpSolver
-
-    return ProxqpSolver(settings)
-
-
-def _daqp(settings: SolverSettings) -> QpSolver:
-    from ghc_controller.qp.daqp_solver import DaqpSolver
-    from ghc_controller.qp.dual_solver import DualSolver
-    from ghc_controller.qp.fallback import Fallback
-
-    return Fallback(DaqpSolver(settings), DualSolver(settings), settings)
-
-
-# daqp comes first: on the whitened problems of this stack it takes a tenth of ProxQP's time, is
-# exact up to rounding, and sees a conflict at once (README, "Solvers").
-SOLVERS: dict[str, Callable[[SolverSettings], QpSolver]] = {"daqp": _daqp, "proxqp": _proxqp}
-
-
-def make_solver(name: str, settings: SolverSettings | None = None) -> QpSolver:
-    """Solver of that name.
-
-    Raises:
-        UnknownName: no such solver; the message lists those that exist.
-    """
-    if name not in SOLVERS:
-        raise UnknownName("QP solver", name, SOLVERS)
-    return SOLVERS[name](settings or SolverSettings())

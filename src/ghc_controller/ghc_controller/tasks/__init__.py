@@ -1,6 +1,6 @@
 """Tasks: one file a kind. `Task` says what a kind must implement, `registry` how it is found."""
 
-from ghc_controller.tasks.follower import ReferenceSpace
+from ghc_controller.references.follower import ReferenceSpace
 from ghc_controller.tasks.registry import make_task, register_task, task_kinds
 from ghc_controller.tasks.task import Task
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.force_control import WORLD_AXES
 from ghc_controller.tasks.kernels import position_rows
 from ghc_controller.tasks.registry import register_task

@@ -10,9 +10,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.reader import Fields
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
 WORLD_AXES = ("x", "y", "z")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.config import Fields
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.rotation import quaternion_from_matrix
-from ghc_controller.tasks.follower import ReferenceSpace
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.numerics.rotation import quaternion_from_matrix
+from ghc_controller.references.follower import ReferenceSpace
+from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.orientation_kernels import orientation_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numba
 
-from ghc_controller.rotation import (
+from ghc_controller.numerics.rotation import (
     quaternion_conjugate,
     quaternion_from_matrix,
     quaternion_product,

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.kernels import posture_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task

@@ -7,8 +7,8 @@ import pkgutil
 from collections.abc import Callable
 from typing import TypeVar
 
-from ghc_controller.config import Fields
-from ghc_controller.robot_model import RobotModel
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.task import Task
 
 _kinds: dict[str, type[Task]] = {}

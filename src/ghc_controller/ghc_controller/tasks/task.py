@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ghc_controller.config import Fields
 from ghc_controller.errors import InvalidValue, WrongSize
-from ghc_controller.robot_model import RobotModel
-from ghc_controller.tasks.follower import Follower
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.references.follower import Follower
+from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.force_control import ForceControl
 from ghc_controller.tasks.kernels import task_rows
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget

@@ -1,0 +1,277 @@
+"""Kinematics and dynamics of the robot: the only module that computes with Pinocchio."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numba
+import numpy as np
+import pinocchio as pin
+
+from ghc_controller.errors import ConfigurationError, UnknownName, WrongSize
+from ghc_controller.model.frames import FrameTable, FrameTerms
+from ghc_controller.model.limits import JointLimits
+from ghc_controller.types import Array, Dynamics
+
+_FREE_FLYER_NV = 6  # velocity coordinates of a floating base: linear, angular in base axes
+_WORLD = pin.Convention.WORLD
+
+
+class RobotModel:
+    """A robot whose `update` makes every query below current for one state.
+
+    Coordinates are Pinocchio's: with a floating base q starts with position and quaternion
+    x, y, z, w of the base, v with its linear and angular velocity in base axes. Queries return
+    views that the next `update` overwrites: copy what must outlive the tick.
+
+    Attributes:
+        joint_names: actuated joints, in the order of the last `na` entries of q and v.
+        nq, nv, na: sizes of q, v and torque; n = nv in shapes.
+        limits: JointLimits; also as position_lower, position_upper, velocity_limit, torque_limit.
+        dynamics: Dynamics of the last update; with the contact forces told to `exert` since.
+        q, v: state of the last update, (nq,) and (n,).
+    """
+
+    def __init__(self, model: pin.Model, limits: JointLimits | None = None) -> None:
+        """Take over a pin.Model with one-coordinate joints behind an optional free flyer.
+
+        Raises:
+            ConfigurationError: no actuated joint, or a joint of several coordinates (among them
+                URDF `continuous` joints, whose angle Pinocchio stores as cosine and sine).
+        """
+        self._model = model
+        self._data = model.createData()
+        self.floating_base: bool = model.njoints > 1 and model.joints[1].nv == _FREE_FLYER_NV
+        first = 2 if self.floating_base else 1
+        names = tuple(model.names)
+        self.joint_names: tuple[str, ...] = names[first:]
+        if not self.joint_names:
+            raise ConfigurationError(f"model '{model.name}' has no actuated joint")
+        for name in self.joint_names:
+            if model.joints[model.getJointId(name)].nq != 1:
+                raise ConfigurationError(
+                    f"joint '{name}' has several coordinates; revolute joints with limits and"
+                    " prismatic joints are supported (not 'continuous' ones)"
+                )
+        self.nq: int = model.nq
+        self.nv: int = model.nv
+        self.na: int = len(self.joint_names)
+        self.limits = limits or model_limits(model, self.na)
+        self.q = pin.neutral(model)
+        self.v = np.zeros(self.nv)
+        self.mass: float = float(pin.computeTotalMass(model))  # [kg]
+        self._frame_names = tuple(f.name for f in model.frames if f.type == pin.FrameType.BODY)
+        self._frames = FrameTable(model, self._data)
+        # Views taken once: fetching them from pin.Data costs more than the copy below.
+        self._mass_matrix_view, self._bias_view = self._data.M, self._data.nle
+        self._momentum_view = self._data.Ag
+        self._gravity_vector = np.array(model.gravity.linear)
+        self.weight = self.mass * float(np.linalg.norm(self._gravity_vector))  # [N]
+        self._gravity: Array | None = None
+        self._com_is_current = False
+        self._zero = np.zeros(self.nv)
+        self._com_views = (self._data.com[0], self._data.vcom[0], self._data.acom[0])
+        self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
+        self.dynamics = self._free_dynamics = self.update(self.q, self.v)
+
+    @classmethod
+    def from_urdf(
+        cls, path: str | Path, floating_base: bool = False, limits: JointLimits | None = None
+    ) -> RobotModel:
+        """Load a URDF; `limits` replaces those of the file.
+
+        Raises:
+            ConfigurationError: the file does not exist, is no URDF, or has an unsupported joint.
+        """
+        path = Path(path)
+        if not path.is_file():
+            raise ConfigurationError(f"{path}: robot model does not exist")
+        root = (pin.JointModelFreeFlyer(),) if floating_base else ()
+        try:
+            model = pin.buildModelFromUrdf(str(path), *root)
+        except (ValueError, RuntimeError) as error:
+            raise ConfigurationError(f"{path}: not a readable URDF: {error}") from error
+        try:
+            return cls(model, limits)
+        except ConfigurationError as error:
+            raise ConfigurationError(f"{path}: {error}") from error
+
+    def update(self, q: Array, v: Array) -> Dynamics:
+        """Compute dynamics and all frames in use at state q (nq,), v (n,).
+
+        Returns:
+            Fresh arrays (they survive the next update), also kept as `self.dynamics`.
+
+        Raises:
+            WrongSize: q or v has another shape.
+        """
+        if q.shape != (self.nq,):
+            raise WrongSize("q", q.shape, (self.nq,))
+        if v.shape != (self.nv,):
+            raise WrongSize("v", v.shape, (self.nv,))
+        self.q[:] = q
+        self.v[:] = v
+        data = self._data
+        # The WORLD convention leaves joint placements, Jacobian and momentum matrix behind, the
+        # bias leaves velocities and accelerations: nothing else is needed by the frame table.
+        pin.crba(self._model, data, self.q, _WORLD)
+        pin.nonLinearEffects(self._model, data, self.q, self.v)
+        mass_matrix, bias = np.empty((self.nv, self.nv)), np.empty(self.nv)
+        _copy_dynamics(self._mass_matrix_view, self._bias_view, mass_matrix, bias)
+        self._frames.compute()
+        self._gravity = None
+        self._com_is_current = False
+        self._exerted.clear()
+        self._free_dynamics = self.dynamics = Dynamics(mass_matrix, bias)
+        return self.dynamics
+
+    def exert(self, name: str, jacobian: Array, force: Array) -> None:
+        """Account for a force on the surroundings in `self.dynamics` until the next update.
+
+        In eq. 1, M dv + h = S^T tau + Jc^T w_c, the contact wrench w_c = -force is known and moves
+        to the left: `dynamics.bias` becomes h + J^T force. Torque from inverse dynamics then
+        carries the force, and dv stays the acceleration that the robot really gets in contact.
+        The Dynamics that `update` returned are not changed.
+
+        Args:
+            name: who exerts it, such as a task; a second call of the same name replaces the first.
+            jacobian: (r, n) of the points and directions of the force.
+            force: (r,) [N] or [Nm] of the robot on its surroundings.
+        """
+        self._exerted[name] = force @ jacobian
+        free = self._free_dynamics
+        self.dynamics = Dynamics(free.mass_matrix, sum(self._exerted.values(), free.bias))
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Names of the links, each with a frame."""
+        return self._frame_names
+
+    def frame_id(self, name: str) -> int:
+        """Handle for the frame queries; a frame takes part in `update` from its first call on.
+
+        Raises:
+            UnknownName: no link of that name; lists those that exist.
+        """
+        if name not in self._frame_names:
+            raise UnknownName("frame", name, self._frame_names)
+        count = len(self._frames.terms)
+        frame = self._frames.register(self._model.getFrameId(name, pin.FrameType.BODY))
+        if len(self._frames.terms) != count:
+            self._frames.compute()
+        return frame
+
+    def frame(self, frame_id: int) -> FrameTerms:
+        """All terms of a frame in one call: the cheapest query."""
+        return self._frames.terms[frame_id]
+
+    def frame_position(self, frame_id: int) -> Array:
+        """Origin of the frame in the world, (3,) [m]."""
+        return self._frames.terms[frame_id].position
+
+    def frame_rotation(self, frame_id: int) -> Array:
+        """Rotation from frame to world, (3, 3)."""
+        return self._frames.terms[frame_id].rotation
+
+    def frame_jacobian(self, frame_id: int) -> Array:
+        """Jacobian of the origin's motion in world axes, linear rows first, (6, n)."""
+        return self._frames.terms[frame_id].jacobian
+
+    def frame_velocity(self, frame_id: int) -> Array:
+        """J v, (6,) [m/s], [rad/s] in world axes."""
+        return self._frames.terms[frame_id].velocity
+
+    def frame_drift(self, frame_id: int) -> Array:
+        """dJ/dt v, (6,) [m/s^2], [rad/s^2] in world axes (second term of eq. 2)."""
+        return self._frames.terms[frame_id].drift
+
+    def gravity(self) -> Array:
+        """Torque that holds the robot still, the bias at v = 0: (n,) [Nm] or [N]."""
+        if self._gravity is None:
+            self._gravity = _gravity_torque(self._momentum_view, self._gravity_vector)
+        return self._gravity
+
+    def center_of_mass(self) -> Array:
+        """Centre of mass in the world, (3,) [m]."""
+        self._update_center_of_mass()
+        return self._com_views[0]
+
+    def center_of_mass_velocity(self) -> Array:
+        """(3,) [m/s]."""
+        self._update_center_of_mass()
+        return self._com_views[1]
+
+    def center_of_mass_jacobian(self) -> Array:
+        """(3, n) fresh array: linear rows of the momentum matrix over the mass."""
+        return np.ascontiguousarray(self._momentum_view[:3]) / self.mass
+
+    def center_of_mass_drift(self) -> Array:
+        """dJ/dt v, (3,) [m/s^2]."""
+        self._update_center_of_mass()
+        return self._com_views[2]
+
+    def _update_center_of_mass(self) -> None:
+        if not self._com_is_current:
+            pin.centerOfMass(self._model, self._data, self.q, self.v, self._zero)
+            self._com_is_current = True
+
+    # Shorthands of `limits`, each (na,).
+    @property
+    def position_lower(self) -> Array:
+        """[rad] or [m]."""
+        return self.limits.position_lower
+
+    @property
+    def position_upper(self) -> Array:
+        """[rad] or [m]."""
+        return self.limits.position_upper
+
+    @property
+    def velocity_limit(self) -> Array:
+        """Magnitude [rad/s] or [m/s]."""
+        return self.limits.velocity
+
+    @property
+    def torque_limit(self) -> Array:
+        """Magnitude [Nm] or [N]."""
+        return self.limits.torque
+
+    def joint_index(self, name: str) -> int:
+        """Place of an actuated joint in `joint_names`.
+
+        Raises:
+            UnknownName: lists the joints that exist.
+        """
+        if name not in self.joint_names:
+            raise UnknownName("joint", name, self.joint_names)
+        return self.joint_names.index(name)
+
+
+def model_limits(model: pin.Model, na: int) -> JointLimits:
+    """Limits of the last `na` joints as the model file states them."""
+    return JointLimits(
+        np.array(model.lowerPositionLimit[-na:]),
+        np.array(model.upperPositionLimit[-na:]),
+        np.array(model.upperVelocityLimit[-na:]),
+        np.array(model.upperEffortLimit[-na:]),
+    )
+
+
+@numba.njit(cache=True)
+def _copy_dynamics(mass: Array, bias: Array, mass_out: Array, bias_out: Array) -> None:
+    """Copy the upper triangle to both sides, so that the result is symmetric to the bit."""
+    for i in range(bias.shape[0]):
+        bias_out[i] = bias[i]
+        for j in range(i, bias.shape[0]):
+            mass_out[i, j] = mass[i, j]
+            mass_out[j, i] = mass[i, j]
+
+
+@numba.njit(cache=True)
+def _gravity_torque(momentum: Array, gravity: Array) -> Array:
+    """Minus the weight, by the linear rows of the momentum matrix (6, n); (n,)."""
+    torque = np.zeros(momentum.shape[1])
+    for j in range(torque.shape[0]):
+        for i in range(3):
+            torque[j] -= gravity[i] * momentum[i, j]
+    return torque

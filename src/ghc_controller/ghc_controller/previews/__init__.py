@@ -1,0 +1,1 @@
+"""What a generator plans for one constraint over a horizon."""

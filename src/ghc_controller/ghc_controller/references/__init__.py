@@ -1,0 +1,1 @@
+"""What tasks follow: trajectories of references, and which of them is in force."""

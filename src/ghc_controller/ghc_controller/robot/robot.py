@@ -1,0 +1,166 @@
+"""A robot as data: robot.yaml read, checked and turned into a model and tasks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ghc_controller.contacts.contact import Contact
+from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
+from ghc_controller.model.limits import JointLimits, overridden
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.urdf import find_urdf
+from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_controller.tasks.registry import make_task
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Array
+
+_DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s]
+_DEFAULT_BRAKE_ACCELERATION = 5.0  # [rad/s^2]
+
+
+@dataclass(frozen=True)
+class RobotConfig:
+    """Content of robot.yaml, ready to use.
+
+    ```yaml
+    name: my_arm
+    urdf: my_arm.urdf            # relative to this file, or of a package: see urdf.py
+    floating_base: false         # optional, default false
+    limits:                      # optional; a number, or a map joint -> number, overrides the URDF
+      velocity: 1.2              # [rad/s]
+      torque: {joint_1: 100.0}   # [Nm]
+      torque_rate: 1000.0        # [Nm/s], one number
+      brake_acceleration: 5.0    # [rad/s^2], one number: what braking before a limit may use
+    tasks:                       # names unique; fields by kind: see the files of tasks/
+      - {name: hand, kind: frame_position, frame: tool, stiffness: 30.0, damping: 20.0}
+    hierarchy: "hand"            # in force at the start
+    contacts:                    # optional
+      - name: palm               # as in contacts/<name> and in schedules
+        frame: tool
+        points: [[0, 0, 0.1]]    # [m] in the frame; three or more hold the frame as a whole
+        normal: [0, 0, 1]        # world axes, as the surroundings push
+        friction: 0.5            # [-] default 0.5; 0 = only along the normal
+        force_lower: 0.0         # [N] default 0; normal force, where no generator bounds it
+        force_upper: 1000.0      # [N] default 1000
+        active: false            # default false: on at the start
+        on_stale: hold           # default hold; release: once a generator is silent, as above
+        force_task: {weight: 1}  # optional: the normal force follows a TaskReference
+        sensing: {threshold: 5}  # optional: the measured wrench confirms touch and break
+    ```
+    """
+
+    path: Path
+    name: str
+    urdf: Path
+    floating_base: bool
+    torque_rate: float  # [Nm/s]
+    brake_acceleration: float  # [rad/s^2]
+    model: RobotModel  # with the limits of the file
+    tasks: tuple[Task, ...]  # k tasks, in the order of the file
+    hierarchy: str
+    contacts: tuple[Contact, ...] = ()
+
+    @property
+    def task_names(self) -> tuple[str, ...]:
+        """Names of the tasks, in the order of the file."""
+        return tuple(task.name for task in self.tasks)
+
+    @property
+    def felt_contacts(self) -> tuple[str, ...]:
+        """Names of the contacts whose measured wrench is used: by sensing, or by force control."""
+        sensed = [contact.name for contact in self.contacts if contact.sensing is not None]
+        pressed = [task.force.contact for task in self.tasks if task.force is not None]
+        return tuple(dict.fromkeys(sensed + pressed))
+
+
+def load_robot_config(path: str | Path) -> RobotConfig:
+    """Read robot.yaml and the URDF that it names, and build model and tasks.
+
+    Raises:
+        ConfigurationError: one line with the file, the field, what was given and expected.
+    """
+    path = Path(path)
+    fields = read_yaml(path)
+    name = fields.text("name")
+    urdf = find_urdf(fields.value("urdf"), path)
+    floating_base = fields.flag("floating_base", False)
+    limits = fields.section("limits", optional=True)
+    model = _build_model(urdf, floating_base, limits)
+    torque_rate = limits.number("torque_rate", _DEFAULT_TORQUE_RATE, minimum=1e-6)
+    brake = limits.number("brake_acceleration", _DEFAULT_BRAKE_ACCELERATION, minimum=1e-6)
+    limits.done()
+    tasks = _build_tasks(fields, model)
+    hierarchy = fields.text("hierarchy")
+    contacts = _build_contacts(fields, model, tasks)
+    fields.done()
+    return RobotConfig(
+        path, name, urdf, floating_base, torque_rate, brake, model, tasks, hierarchy, contacts
+    )
+
+
+def _build_model(urdf: Path, floating_base: bool, limits: Fields) -> RobotModel:
+    model = RobotModel.from_urdf(urdf, floating_base)
+    read = model.limits
+    model.limits = JointLimits(
+        read.position_lower,
+        read.position_upper,
+        _limit(limits, "velocity", read.velocity, model.joint_names),
+        _limit(limits, "torque", read.torque, model.joint_names),
+    )
+    for joint, lower, upper in zip(
+        model.joint_names, read.position_lower, read.position_upper, strict=True
+    ):
+        if not lower < upper:
+            raise ConfigurationError(
+                f"{urdf}: joint '{joint}': lower position limit {lower:g} is not below upper"
+                f" {upper:g}"
+            )
+    return model
+
+
+def _limit(limits: Fields, field: str, values: Array, joint_names: tuple[str, ...]) -> Array:
+    given = limits.number_or_map(field)
+    try:
+        result = overridden(values, given, joint_names, field)
+    except GhcError as error:
+        raise limits.error(field, str(error)) from error
+    for joint, value in zip(joint_names, result, strict=True):
+        if not value > 0.0:
+            raise limits.error(
+                field, f"the URDF gives {value:g} for joint '{joint}'; a positive limit expected"
+            )
+    return result
+
+
+def _build_tasks(fields: Fields, model: RobotModel) -> tuple[Task, ...]:
+    tasks: dict[str, Task] = {}
+    for entry in fields.sections("tasks"):
+        try:
+            task = make_task(entry, model)
+        except ConfigurationError:
+            raise
+        except GhcError as error:
+            raise entry.complaint(str(error)) from error
+        if task.name in tasks:
+            raise entry.error("name", f"'{task.name}' is already taken by another task")
+        tasks[task.name] = task
+    return tuple(tasks.values())
+
+
+def _build_contacts(
+    fields: Fields, model: RobotModel, tasks: tuple[Task, ...]
+) -> tuple[Contact, ...]:
+    contacts: dict[str, Contact] = {}
+    taken = {task.name for task in tasks}
+    for entry in fields.sections("contacts", optional=True):
+        try:
+            contact = Contact.from_config(entry, model)
+        except InvalidValue as error:
+            raise entry.complaint(str(error)) from error
+        if contact.name in contacts:
+            raise entry.error("name", f"'{contact.name}' is already taken by another contact")
+        if contact.force_task is not None and contact.name in taken:
+            raise entry.error("name", f"'{contact.name}' is already taken by a task")
+        contacts[contact.name] = contact
+    return tuple(contacts.values())

@@ -1,0 +1,256 @@
+"""The controller behind ROS topics: answers every robot state with a torque.
+
+Publishes  joint_commands (stamp = the state answered, effort [Nm] by joint name),
+           ghc/transition_status, ghc/priority_matrix (latched), ghc/controller_state,
+           ghc/tick (start and epoch of the generators' next tick), /diagnostics, and with
+           mirror_commands /effort_controller/commands (ros2_control).
+Subscribes joint_states (frame_id = epoch, effort = torque applied over the last period),
+           ghc/priority_transition, ghc/task_reference, constraints/contact_force_bounds,
+           constraints/obstacle_motion, contacts/<name> where it has to wait for them, odom for a
+           floating base.
+Parameters see ControllerParameters.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from functools import partial
+
+from geometry_msgs.msg import WrenchStamped
+from nav_msgs.msg import Odometry
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, Header
+
+from ghc_controller.controller import Controller
+from ghc_controller.errors import InvalidValue
+from ghc_controller.ros.conversions.common import (
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    NANOSECONDS,
+)
+from ghc_controller.ros.conversions.previews import PLAN_QOS
+from ghc_controller.ros.conversions.states import (
+    base_from_bytes,
+    read_joint_state,
+    wrench_from_bytes,
+)
+from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.ros.previews import PLANS, PlanInbox
+from ghc_controller.ros.rejections import Rejections
+from ghc_controller.ros.requests import RequestDesk
+from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.status import Accounts
+from ghc_controller.ros.synchronizer import StateGate, Verdict
+from ghc_controller.ros.ticks import TickAnnouncer
+from ghc_controller.ros.wire.cdr import encode_header, read_stamp
+from ghc_controller.ros.wire.joint_state import (
+    JointStateDecoder,
+    JointStateEncoder,
+    JointStateValues,
+)
+from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+
+NODE_NAME = "controller"
+ODOMETRY = "odom"
+DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+
+
+class ControllerNode:
+    """Wires topics to the controller; no arithmetic here."""
+
+    def __init__(self, stop: Future) -> None:
+        """Read the parameters, load the robot, compile, listen.
+
+        Raises:
+            GhcError: a parameter, or a file that it names, cannot be used.
+        """
+        self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
+        self._parameters = p = read_parameters(self.node, ControllerParameters)
+        self.executor = p.executor
+        self._controller = Controller.for_robot(p.robot, p.settings())
+        self._controller.warm_up()
+        self._reader = JointStateReader(self._controller.model.joint_names)
+        base = (ODOMETRY,) if self._controller.model.floating_base else ()
+        self._gate: StateGate[JointStateValues] = StateGate(
+            base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
+        )
+        self._announcer = TickAnnouncer(
+            round(p.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
+        )
+        self._rejections = Rejections()
+        self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
+        self._requests = RequestDesk(
+            self.node, stop, self._controller, p.lockstep, self._gate.forget, self._reject
+        )
+        self._accounts = Accounts(self.node, self._controller, self._rejections, p.state_rate)
+        self._now: float | None = None  # [s] of the last state
+        self._decoder = JointStateDecoder(read_joint_state)
+        self._encoder = self._make_encoder("")
+        self._command = b""  # serialized, of the last answered state
+        self._publish_and_listen(stop)
+        self.node.get_logger().info(
+            f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
+            f"{self._controller.formulation.name}, solver {p.qp_solver}: ready"
+        )
+        unheard = sorted(set(self._controller.robot.felt_contacts) - set(p.wait_for_contacts))
+        if unheard:
+            self.node.get_logger().warning(
+                f"the wrench of {', '.join(unheard)} is used by robot.yaml and not listened to: "
+                "name it in the parameter wait_for_contacts"
+            )
+
+    def _publish_and_listen(self, stop: Future) -> None:
+        node, p = self.node, self._parameters
+        self._commands = node.create_publisher(JointState, "joint_commands", CONTROL_PUBLISHER_QOS)
+        self._ticks = node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        self._mirror = (
+            node.create_publisher(Float64MultiArray, "/effort_controller/commands", 1)
+            if p.mirror_commands
+            else None
+        )
+        node.create_subscription(
+            JointState,
+            "joint_states",
+            guarded(stop, self._on_state),
+            CONTROL_SUBSCRIBER_QOS,
+            raw=True,
+        )
+        for name in p.wait_for_contacts:
+            node.create_subscription(
+                WrenchStamped,
+                f"contacts/{name}",
+                guarded(stop, partial(self._on_wrench, name)),
+                CONTROL_SUBSCRIBER_QOS,
+                raw=True,
+            )
+        if self._controller.model.floating_base:
+            node.create_subscription(
+                Odometry,
+                ODOMETRY,
+                guarded(stop, self._on_odometry),
+                CONTROL_SUBSCRIBER_QOS,
+                raw=True,
+            )
+        for name, kind in PLANS.items():
+            take = guarded(stop, partial(self._plans.take, name))
+            node.create_subscription(kind, f"constraints/{name}", take, PLAN_QOS)
+        wall = RosClock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+
+    def _make_encoder(self, frame_id: str) -> JointStateEncoder:
+        return JointStateEncoder(self._controller.model.joint_names, frame_id, motion=False)
+
+    def _on_state(self, data: bytes) -> None:
+        try:
+            state = self._decoder.decode(data)
+        except ValueError as error:
+            self._reject("joint_states", str(error))
+            return
+        overdue_ns = self._gate.waiting_ns
+        if overdue_ns is not None and state.stamp_ns > overdue_ns:
+            for name in self._gate.missing(overdue_ns):
+                self._reject(
+                    f"{name}.stamp",
+                    f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as joint_states has it",
+                )
+        verdict = self._gate.state(state, state.stamp_ns, state.frame_id)
+        if verdict not in (Verdict.STALE, Verdict.MALFORMED):
+            self._announce(self._announcer.on_state(state.stamp_ns, self._gate.epoch))
+        self._handle(state, verdict)
+
+    def _announce(self, tick_ns: int | None) -> None:
+        if tick_ns is not None:
+            self._ticks.publish(encode_header(tick_ns, str(self._gate.epoch)))
+
+    def _on_odometry(self, data: bytes) -> None:
+        try:
+            base = base_from_bytes(data)
+        except InvalidValue as error:
+            self._reject(ODOMETRY, str(error))
+            return
+        self._continue(self._gate.companion(ODOMETRY, read_stamp(data), base))
+
+    def _on_plan(self, name: str, stamp_ns: int, epoch: int) -> None:
+        self._continue(self._gate.plan(name, stamp_ns, epoch))
+
+    def _continue(self, complete: tuple[JointStateValues, Verdict] | None) -> None:
+        if complete is not None:
+            self._handle(*complete)
+
+    def _on_wrench(self, name: str, data: bytes) -> None:
+        try:
+            wrench = wrench_from_bytes(data)
+        except InvalidValue as error:
+            self._reject(f"contacts/{name}", str(error))
+            return
+        self._continue(self._gate.companion(name, read_stamp(data), wrench))
+
+    def _handle(self, values: JointStateValues, verdict: Verdict) -> None:
+        if verdict is Verdict.REPEATED:
+            self._commands.publish(self._command)
+        elif verdict is Verdict.STALE:
+            self._reject("joint_states.stamp", "older than the last one, in the same epoch")
+        elif verdict is Verdict.MALFORMED:
+            self._reject(
+                "joint_states.frame_id",
+                f"'{values.frame_id}' given, an epoch such as '0' (or nothing) expected",
+            )
+        elif verdict in (Verdict.NEW, Verdict.NEW_EPOCH):
+            self._answer(values, verdict is Verdict.NEW_EPOCH)
+
+    def _answer(self, values: JointStateValues, new_epoch: bool) -> None:
+        controller, stamp_ns = self._controller, values.stamp_ns
+        wrenches = self._gate.values
+        base = wrenches.pop(ODOMETRY, None)
+        try:
+            state = self._reader.read(values, self._gate.epoch, wrenches, base)
+        except InvalidValue as error:
+            self._gate.forget()
+            self._reject(str(error).split(":")[0], str(error))
+            return
+        if new_epoch:
+            controller.reset()
+            self._plans.forget()
+            self._accounts.reset()
+        self._plans.hand_over(self._gate.epoch, stamp_ns)
+        if not self._requests.is_open:
+            controller.observe(state)
+        self._now = state.time
+        self._requests.at(state.time)
+        result = controller.step(state)
+        if values.frame_id != self._encoder.frame_id:
+            self._encoder = self._make_encoder(values.frame_id)
+        self._command = self._encoder.encode(stamp_ns, result.torque)
+        self._commands.publish(self._command)
+        self._gate.answered(stamp_ns)
+        self._announce(self._announcer.on_answer(stamp_ns, self._gate.epoch))
+        if self._mirror is not None:
+            self._mirror.publish(Float64MultiArray(data=result.torque))
+        self._requests.tell(result.events)
+        self._accounts.publish(stamp_ns, self._gate.epoch, result.status)
+
+    def _reject(self, field: str, reason: str) -> None:
+        if self._rejections.count(field, time.monotonic()):
+            self.node.get_logger().warning(f"{field}: {reason}")
+
+    def _publish_diagnostics(self) -> None:
+        self._accounts.publish_diagnostics(self._now, self._plans.silent(self._now or 0.0))
+
+    def close(self) -> None:
+        """No resources to release."""
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the controller until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    return run_node(NODE_NAME, ControllerNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

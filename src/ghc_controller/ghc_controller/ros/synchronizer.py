@@ -1,0 +1,117 @@
+"""Which robot states are answered: new ones once, repeated ones alike, old ones not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from typing import Generic, TypeVar
+
+from ghc_controller.ros.epoch import epoch_number
+from ghc_controller.types import Array
+
+M = TypeVar("M")
+
+
+class Verdict(Enum):
+    """What a state message is."""
+
+    NEW = "new"  # to be answered
+    NEW_EPOCH = "new epoch"  # to be answered after forgetting the past
+    REPEATED = "repeated"  # answered before: the same command again
+    STALE = "stale"  # older than the last answered one
+    WAITING = "waiting"  # something that belongs to it is still to come
+    MALFORMED = "malformed"  # the epoch is no number
+
+
+class StateGate(Generic[M]):
+    """Pairs states with what belongs to them and tells repeats from news.
+
+    The stamp is the sequence number of a state; time runs backwards only with a new epoch. To a
+    state belong its companions (wrenches, odometry), which carry the same stamp, and plans that a
+    generator makes for the latest of its ticks at or before it.
+    """
+
+    def __init__(
+        self, companions: Sequence[str], plans: Sequence[str] = (), tick_ns: int = 1
+    ) -> None:
+        """Wait for these, by name; `tick_ns` [ns] between two plans."""
+        self._stamps = dict.fromkeys(companions, -1)
+        self._values: dict[str, Array] = {}
+        self._plans = dict.fromkeys(plans, (-1, -1))  # epoch, stamp [ns]
+        self._tick_ns = tick_ns
+        self._waiting: tuple[M, int, Verdict] | None = None
+        self._answered_ns = -1
+        self._repeatable = False
+        self.epoch = 0
+
+    @property
+    def values(self) -> dict[str, Array]:
+        """Companions of the state under way by name."""
+        return dict(self._values)
+
+    def missing(self, stamp_ns: int) -> tuple[str, ...]:
+        """Names of what the state of this stamp still waits for."""
+        tick = (self.epoch, stamp_ns - stamp_ns % self._tick_ns)
+        missing = [name for name, stamp in self._stamps.items() if stamp != stamp_ns]
+        return tuple(missing + [name for name, plan in self._plans.items() if plan < tick])
+
+    @property
+    def waiting_ns(self) -> int | None:
+        """Stamp [ns] of the state that waits, if any."""
+        return None if self._waiting is None else self._waiting[1]
+
+    def state(self, message: M, stamp_ns: int, epoch: str) -> Verdict:
+        """Judge a state message by its stamp and epoch (`frame_id`; "" is epoch 0)."""
+        number = epoch_number(epoch)
+        if number is None:
+            return Verdict.MALFORMED
+        if number < self.epoch:
+            return Verdict.STALE
+        if number > self.epoch:
+            self.epoch = number
+            self._answered_ns = -1
+            self._repeatable = False
+            return self._complete(message, stamp_ns, Verdict.NEW_EPOCH)
+        if stamp_ns < self._answered_ns:
+            return Verdict.STALE
+        if stamp_ns == self._answered_ns and self._repeatable:
+            return Verdict.REPEATED
+        return self._complete(message, stamp_ns, Verdict.NEW)
+
+    def companion(self, name: str, stamp_ns: int, value: Array) -> tuple[M, Verdict] | None:
+        """Take a companion; returns the state message that it completes, if any."""
+        self._stamps[name] = stamp_ns
+        self._values[name] = value
+        return self._completed()
+
+    def plan(self, name: str, stamp_ns: int, epoch: int) -> tuple[M, Verdict] | None:
+        """Take note of a plan; returns the state message that it completes, if any."""
+        if name not in self._plans:
+            return None
+        self._plans[name] = (epoch, stamp_ns)
+        return self._completed()
+
+    def answered(self, stamp_ns: int) -> None:
+        """A command for this state was published."""
+        self._answered_ns = stamp_ns
+        self._repeatable = True
+
+    def forget(self) -> None:
+        """Recompute the last state if it is repeated, since an input has changed."""
+        self._repeatable = False
+
+    def _completed(self) -> tuple[M, Verdict] | None:
+        if self._waiting is None or self.missing(self._waiting[1]):
+            return None
+        message, _, verdict = self._waiting
+        self._waiting = None
+        return message, verdict
+
+    def _complete(self, message: M, stamp_ns: int, verdict: Verdict) -> Verdict:
+        if self._waiting is not None and self._waiting[2] is Verdict.NEW_EPOCH:
+            verdict = Verdict.NEW_EPOCH  # a repeat of the first state must not hide the reset
+        if not self.missing(stamp_ns):
+            self._waiting = None
+            return verdict
+        self._waiting = (message, stamp_ns, verdict)
+        return Verdict.WAITING

@@ -1,0 +1,224 @@
+"""Ask for other priorities by hand and follow what becomes of it.
+
+    ros2 run ghc_controller transition 'elbow > end_effector > posture' --duration 2.0
+
+Publishes   ghc/priority_transition: one message, once a controller has shown that it is there.
+Subscribes  ghc/priority_matrix (prints the hierarchy in force) and ghc/transition_status (prints
+            each status of the request as it arrives).
+Exit code   0 DONE; 1 REJECTED, PREEMPTED or no answer in time; 2 wrong arguments; 130 Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+
+import rclpy
+from builtin_interfaces.msg import Time
+from ghc_msgs.msg import PriorityMatrix, PriorityTransition, TransitionStatus
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+from ghc_controller.hierarchy import Profile
+from ghc_controller.ros.conversions.common import (
+    LATCHED_QOS,
+    NANOSECONDS,
+    RELIABLE_QOS,
+    nanoseconds_from_time,
+    time_from_seconds,
+)
+from ghc_controller.ros.run import EXIT_FAILED, EXIT_REFUSED
+from ghc_controller.ros.stop_signals import (
+    interrupt_on_stop_signals,
+    raise_if_stopped,
+    stop_was_asked,
+)
+
+NODE_NAME = "transition"
+_INTERRUPTED = 130
+_DURATION = 2.0  # [s] of a ramp for which nothing is said
+_WORDS = {
+    getattr(TransitionStatus, word): word
+    for word in ("ACCEPTED", "REJECTED", "ACTIVE", "DONE", "PREEMPTED")
+}
+_EXIT_CODES = {
+    TransitionStatus.DONE: 0,
+    TransitionStatus.REJECTED: EXIT_FAILED,
+    TransitionStatus.PREEMPTED: EXIT_FAILED,
+}
+
+
+class TransitionRequest:
+    """One request and the statuses that carry its id."""
+
+    def __init__(self, request: PriorityTransition, show: Callable[[str], None]) -> None:
+        self.node = Node(NODE_NAME)
+        self.sent = False
+        self.exit_code: int | None = None  # None while the request is under way
+        self._request = request
+        self._show = show
+        self._publisher = self.node.create_publisher(
+            PriorityTransition, "ghc/priority_transition", RELIABLE_QOS
+        )
+        self.node.create_subscription(
+            TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
+        )
+        # Made last: once its latched message is here, the controller knows the one above.
+        self.node.create_subscription(
+            PriorityMatrix, "ghc/priority_matrix", self._on_matrix, LATCHED_QOS
+        )
+        self._in_force: PriorityMatrix | None = None
+
+    def send_when_heard(self) -> None:
+        """Send the request, once, when a controller will get it and can answer."""
+        matrix = self._in_force
+        if self.sent or matrix is None or self._publisher.get_subscription_count() == 0:
+            return
+        self._show(line(matrix.header.stamp, "in force", matrix.hierarchy or "a matrix"))
+        self._publisher.publish(self._request)
+        self.sent = True
+
+    def _on_matrix(self, message: PriorityMatrix) -> None:
+        self._in_force = message
+
+    def _on_status(self, message: TransitionStatus) -> None:
+        if message.id == self._request.id:
+            self._show(status_line(message))
+            self.exit_code = _EXIT_CODES.get(message.status)
+
+
+def line(stamp: Time, word: str, detail: str) -> str:
+    """One line of the output; `stamp` is the robot's time."""
+    return f"t = {nanoseconds_from_time(stamp) / NANOSECONDS:8.3f} s  {word:9}  {detail}"
+
+
+def status_line(message: TransitionStatus) -> str:
+    """Status and what there is to know about it."""
+    detail = message.hierarchy
+    if message.status == TransitionStatus.REJECTED:
+        detail = message.reason
+    elif message.status == TransitionStatus.ACCEPTED:
+        start = nanoseconds_from_time(message.start) / NANOSECONDS
+        detail += f", from t = {start:.3f} s over {message.duration:g} s"
+        if message.torque_rate:
+            detail += f" or longer, at most {message.torque_rate:g} Nm/s"
+    return line(message.header.stamp, _WORDS.get(message.status, "?"), detail)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Publish one transition and follow it to its end."""
+    given = list(sys.argv if arguments is None else [NODE_NAME, *arguments])
+    options = _parser().parse_args(remove_ros_args(given)[1:])
+    request = PriorityTransition(
+        id=f"{NODE_NAME}_{os.getpid()}",
+        hierarchy=options.hierarchy,
+        duration=_duration(options),
+        torque_rate=options.torque_rate,
+        profile=options.profile,
+    )
+    request.header.stamp = time_from_seconds(options.start)
+    try:
+        # No handler of rclpy: it would take the context down under the loop.
+        rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+    except RuntimeError as error:  # root of rclpy's errors for malformed --ros-args
+        return _complain(str(error), EXIT_REFUSED)
+    interrupt_on_stop_signals()
+    try:
+        return _follow(TransitionRequest(request, _print), options.timeout)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return _complain("interrupted", _INTERRUPTED)
+    except RuntimeError:  # what an interrupt becomes while rclpy converts a message
+        if not stop_was_asked():
+            raise
+        return _complain("interrupted", _INTERRUPTED)
+    finally:
+        rclpy.try_shutdown()
+
+
+def _follow(request: TransitionRequest, timeout: float) -> int:
+    executor = SingleThreadedExecutor()
+    executor.add_node(request.node)
+    deadline = time.monotonic() + timeout
+    while request.exit_code is None:
+        executor.spin_once(timeout_sec=0.05)
+        raise_if_stopped()
+        request.send_when_heard()
+        if time.monotonic() > deadline:
+            what = (
+                "the transition did not end"
+                if request.sent
+                else "no ghc/priority_matrix: no controller, or one without joint_states,"
+            )
+            return _complain(f"{what} within {timeout:g} s", EXIT_FAILED)
+    return request.exit_code
+
+
+def _parser() -> argparse.ArgumentParser:
+    profiles = [profile.value for profile in Profile]
+    parser = argparse.ArgumentParser(
+        prog=NODE_NAME, description="Change the priorities of the running controller."
+    )
+    parser.add_argument(
+        "hierarchy", help="such as 'a > b = c': > strict, = equal; a task left out is removed"
+    )
+    parser.add_argument(
+        "--duration",
+        type=float,
+        metavar="SECONDS",
+        help="of the ramp (default: 2; 0 with --torque-rate)",
+    )
+    parser.add_argument(
+        "--torque-rate",
+        type=float,
+        default=0.0,
+        metavar="NM_PER_S",
+        help="that the ramp may add to any joint: it takes as long as this asks (default: any)",
+    )
+    parser.add_argument(
+        "--start",
+        type=_stamp,
+        default=0.0,
+        metavar="SECONDS",
+        help="time of the robot at which the ramp starts (default: at once)",
+    )
+    parser.add_argument("--profile", choices=profiles, default=profiles[0])
+    parser.add_argument(
+        "--timeout",
+        type=float,
+        default=60.0,
+        metavar="SECONDS",
+        help="wall time until the end of the ramp (default: 60)",
+    )
+    return parser
+
+
+def _duration(options: argparse.Namespace) -> float:
+    """[s] given, or the default: a budget alone decides where there is one."""
+    if options.duration is not None:
+        return float(options.duration)
+    return 0.0 if options.torque_rate else _DURATION
+
+
+def _stamp(text: str) -> float:
+    seconds = float(text)
+    if not 0.0 <= seconds < 2**31:  # what a time message holds
+        raise argparse.ArgumentTypeError(f"{text} given, 0 to {2**31 - 1} expected")
+    return seconds
+
+
+def _print(line: str) -> None:
+    print(line, flush=True)
+
+
+def _complain(text: str, code: int) -> int:
+    print(f"{NODE_NAME}: {' '.join(text.split())}", file=sys.stderr, flush=True)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,122 @@
+"""Last stage of the controller: finite torques within torque limits and rate limit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from ghc_controller.errors import InvalidValue
+from ghc_controller.safety.braking import braking_torque
+from ghc_controller.types import Array, Dynamics
+
+COUNTED_EXCESS = 1e-6  # [Nm] a smaller excess is rounding of the QP: clipped, but not counted
+
+# Names of what the gate caught, as in OutputGate.counts.
+NOT_FINITE = "gate_not_finite"  # the torque had NaN or inf: held by braking instead
+TORQUE_LIMIT = "gate_torque_limit"  # outside the torque limits
+TORQUE_RATE = "gate_torque_rate"  # changed faster than the rate limit
+RATE_BROKEN = "gate_rate_broken"  # the limits alone demand a change above the rate limit
+APPLIED_UNKNOWN = "gate_applied_unknown"  # the applied torque was not finite: rate not checked
+
+
+@dataclass(frozen=True, slots=True)
+class GatedTorque:
+    """What may leave, and what the gate had to change."""
+
+    torque: Array  # (a,) [Nm] fresh array
+    hits: tuple[str, ...]  # names as above; empty when the input went through
+
+
+class OutputGate:
+    """Finite, inside the torque limits, and within the rate limit of the applied torque.
+
+    Where limits and rate exclude each other (the applied torque was outside the limits), the
+    limits win. `counts` adds up the ticks of each kind of hit.
+    """
+
+    def __init__(self, torque_limit: Array, rate_limit: float, control_dt: float) -> None:
+        """Set up the gate.
+
+        Args:
+            torque_limit: (a,) [Nm] > 0, inf where there is none.
+            rate_limit: [Nm/s]; 0 switches the rate check off.
+            control_dt: [s] control period.
+
+        Raises:
+            InvalidValue: a limit that is not positive (the rate: negative or not finite).
+        """
+        if not (torque_limit > 0.0).all():
+            raise InvalidValue(f"torque limit {torque_limit} given, positive numbers expected")
+        if not (np.isfinite(rate_limit) and rate_limit >= 0.0):
+            raise InvalidValue(f"torque rate limit {rate_limit} given, a number >= 0 expected")
+        self.torque_limit = torque_limit.copy()
+        self.step_limit = rate_limit * control_dt if rate_limit > 0.0 else np.inf  # [Nm]
+        names = (NOT_FINITE, TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN, APPLIED_UNKNOWN)
+        self.counts = dict.fromkeys(names, 0)
+
+    def apply(
+        self, torque: Array, applied: Array | None, dynamics: Dynamics, velocity: Array
+    ) -> GatedTorque:
+        """Torque that may leave.
+
+        Args:
+            torque: (a,) [Nm] what the formulation wants, anything.
+            applied: (a,) [Nm] torque over the last period; None before the first one.
+            dynamics, velocity: at this state, (n,); for the braking torque only.
+        """
+        hits: list[str] = []
+        if not _is_finite(torque):
+            hits.append(NOT_FINITE)
+            torque = self._hold(applied, dynamics, velocity)
+        previous, step = applied, self.step_limit
+        if previous is not None and not _is_finite(previous):
+            hits.append(APPLIED_UNKNOWN)
+            previous = None
+        if previous is None:
+            previous, step = torque, np.inf  # nothing to measure the rate from
+        gated = np.empty(torque.shape)
+        excess = _clip(torque, previous, self.torque_limit, step, gated)
+        if max(excess) > COUNTED_EXCESS:
+            kinds = zip((TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN), excess, strict=True)
+            hits += [name for name, amount in kinds if amount > COUNTED_EXCESS]
+        for name in hits:
+            self.counts[name] += 1
+        return GatedTorque(gated, tuple(hits))
+
+    def _hold(self, applied: Array | None, dynamics: Dynamics, velocity: Array) -> Array:
+        """Braking torque; where even that is unknown, keep what was applied, else nothing."""
+        with np.errstate(all="ignore"):
+            torque = braking_torque(dynamics, velocity, self.torque_limit)
+        if np.isfinite(torque).all():
+            return torque
+        if applied is not None and np.isfinite(applied).all():
+            return applied
+        return np.zeros(self.torque_limit.shape)
+
+
+@numba.njit(cache=True)
+def _is_finite(values: Array) -> bool:
+    finite = True
+    for value in values:
+        finite = finite and math.isfinite(value)
+    return finite
+
+
+@numba.njit(cache=True)
+def _clip(
+    torque: Array, previous: Array, limit: Array, step: float, out: Array
+) -> tuple[float, float, float]:
+    """Clip to the rate, then to the limits; largest excess over limit, over rate, rate broken."""
+    over_limit, over_rate, broken = 0.0, 0.0, 0.0
+    for i in range(torque.shape[0]):
+        value = torque[i]
+        over_limit = max(over_limit, abs(value) - limit[i])
+        over_rate = max(over_rate, abs(value - previous[i]) - step)
+        value = min(max(value, previous[i] - step), previous[i] + step)
+        value = min(max(value, -limit[i]), limit[i])
+        broken = max(broken, abs(value - previous[i]) - step)
+        out[i] = value
+    return over_limit, over_rate, broken

@@ -1,0 +1,1 @@
+"""How YAML becomes values: a strict reader whose messages name the place."""

@@ -1,0 +1,1 @@
+"""Generator of contact force bounds: schedules and smooth bounds on normal forces."""

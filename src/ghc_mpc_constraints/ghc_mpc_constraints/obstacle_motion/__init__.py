@@ -1,0 +1,1 @@
+"""Generator of obstacle motion: measurements and the motion planned from them."""

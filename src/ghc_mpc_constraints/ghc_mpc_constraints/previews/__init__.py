@@ -1,0 +1,1 @@
+"""Horizons, integrator chains and the QPs that smooth bounds over them."""

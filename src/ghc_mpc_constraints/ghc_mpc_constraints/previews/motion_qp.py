@@ -1,0 +1,111 @@
+"""Motion of a virtual obstacle along one axis over the horizon as one QP (eq. 4.14, 4.15).
+
+    min  sum_j d_j (x_j - raw_j)^2 + gamma jerk_j^2      s.t.  x_j <= limit_j
+    with x_{j+1} from the triple integrator of eq. 4.11
+
+D changes the Hessian from tick to tick, so no inverse can be kept. The chain structure is used
+instead: a Riccati recursion solves the problem for any linear term in O(N), and the active-set
+method asks it for the columns of the few rows that become active.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from ghc_controller.errors import InvalidValue
+from ghc_controller.qp import QpProblem
+from ghc_controller.types import Array
+from ghc_mpc_constraints.previews.active_set import (
+    CAPACITY,
+    MAX_CHANGES,
+    feasibility_tolerance,
+    most_violated,
+    take_in,
+)
+from ghc_mpc_constraints.previews.horizon import Horizon, integrator_chain
+from ghc_mpc_constraints.previews.motion_kernels import factor, respond
+from ghc_mpc_constraints.previews.second_solver import SecondSolver
+
+ORDER = 3  # position, velocity, acceleration; the jerk is the input
+
+
+class MotionQp:
+    """Solves the QP of any axis of any obstacle."""
+
+    def __init__(self, horizon: Horizon, jerk_weight: float) -> None:
+        """`jerk_weight` is gamma [s^6]."""
+        if not (np.isfinite(jerk_weight) and jerk_weight > 0.0):
+            raise InvalidValue(
+                f"jerk_weight = {jerk_weight} given, a finite number above 0 expected"
+            )
+        self._step = horizon.step
+        self._model = integrator_chain(ORDER, horizon)
+        self._jerk_weight = jerk_weight
+        self.second = SecondSolver()
+
+    def solve(self, state: Array, raw: Array, weights: Array, limit: Array) -> Array | None:
+        """Jerks (N,) [m/s^3] of the best motion; None when no solution was found.
+
+        `state` (3,) position, velocity, acceleration now; `raw` (N,) preview [m]; `weights` (N,)
+        diagonal of D; `limit` (N,) largest position [m], inf where there is none.
+        """
+        jerk, solved = _solve(self._step, state, raw, weights, limit, self._jerk_weight)
+        if solved:
+            return jerk
+        return self.second.solve(self.problem(state, raw, weights, limit))
+
+    def problem(self, state: Array, raw: Array, weights: Array, limit: Array) -> QpProblem:
+        """The same QP written out in the jerks, with the stacked responses of eq. 4.13."""
+        model = self._model
+        free = model.state_response @ state
+        response = model.input_response
+        weighted = weights[:, None] * response
+        return QpProblem(
+            response.T @ weighted + self._jerk_weight * np.eye(len(raw)),
+            weighted.T @ (free - raw),
+            np.zeros((0, len(raw))),
+            np.zeros(0),
+            np.array(response),
+            np.full(len(raw), -np.inf),
+            limit - free,
+        )
+
+
+@numba.njit(cache=True)
+def _solve(
+    step: float,
+    start: Array,
+    raw: Array,
+    weights: Array,
+    limit: Array,
+    jerk_weight: float,
+) -> tuple[Array, bool]:
+    """Jerks (N,), and whether they are the optimum."""
+    steps = raw.shape[0]
+    factors = factor(step, weights, jerk_weight)
+    positions, jerk = np.empty(steps), np.empty(steps)
+    linear = weights * raw
+    respond(step, factors, start, linear, positions, jerk)
+    tolerance = feasibility_tolerance(limit)
+    rows, multipliers = np.empty(CAPACITY, np.int64), np.empty(CAPACITY)
+    columns, unused = np.empty((CAPACITY, steps)), np.empty(steps)
+    rest = np.zeros_like(start)
+    count = 0
+    for _ in range(MAX_CHANGES):
+        row = most_violated(positions, limit, tolerance)
+        if row < 0:
+            break
+        if count == CAPACITY - 1:
+            return jerk, False
+        rows[count] = row
+        unit = np.zeros(steps)
+        unit[row] = 1.0
+        respond(step, factors, rest, unit, columns[count], unused)
+        count = take_in(positions, limit, rows, multipliers, columns, count)
+        if count < 0:
+            return jerk, False
+    for k in range(count):
+        linear[rows[k]] -= multipliers[k]
+    respond(step, factors, start, linear, positions, jerk)
+    return jerk, most_violated(positions, limit, 10.0 * tolerance) < 0

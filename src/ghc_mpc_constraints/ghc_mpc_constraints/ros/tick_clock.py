@@ -1,0 +1,81 @@
+"""When a generator plans: at stamps that are multiples of its step."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from ghc_controller.ros.epoch import epoch_number
+
+
+class Due(Enum):
+    """What a stamp asks of a generator."""
+
+    PLAN = "plan"  # a new tick
+    REPEAT = "repeat"  # the last tick once more: the same plan again
+    NOTHING = "nothing"  # between two ticks
+    STALE = "stale"  # older than the last tick, in the same epoch
+    MALFORMED = "malformed"  # the epoch is no number
+
+
+class TickClock:
+    """Tells ticks from other stamps; time runs backwards only with a new epoch.
+
+    A tick that was missed is made up for at the next stamp: its plan starts at the multiple of
+    the step at or before it, so that plans do not depend on which stamp was seen.
+    """
+
+    def __init__(self, step_ns: int) -> None:
+        """`step_ns` [ns] between ticks."""
+        self._step_ns = step_ns
+        self._last_ns = -1
+        self._repeatable = False
+        self._seen_ns = -1
+        self.epoch = 0
+        self.new_epoch = False
+
+    @property
+    def tick_ns(self) -> int:
+        """Start of the last tick [ns]; -1 before the first one."""
+        return self._last_ns
+
+    @property
+    def now_ns(self) -> int:
+        """The newest stamp seen [ns]; -1 before the first one."""
+        return self._seen_ns
+
+    def judge(self, stamp_ns: int, epoch: str) -> Due:
+        """What is due at a stamp; `new_epoch` says whether everything starts again with it."""
+        self.new_epoch = False
+        number = epoch_number(epoch)
+        if number is None:
+            return Due.MALFORMED
+        if number < self.epoch:
+            return Due.STALE
+        if number > self.epoch:
+            self.epoch = number
+            self.new_epoch = True
+            self._last_ns = self._seen_ns = -1
+            self._repeatable = False
+        tick_ns = stamp_ns - stamp_ns % self._step_ns
+        self._seen_ns = max(self._seen_ns, stamp_ns)
+        if tick_ns > self._last_ns:
+            return Due.PLAN
+        if tick_ns < self._last_ns:
+            return Due.STALE
+        if stamp_ns != tick_ns:
+            return Due.NOTHING
+        return Due.REPEAT if self._repeatable else Due.PLAN
+
+    def planned(self, stamp_ns: int) -> int:
+        """A plan for this stamp is published; returns the start of its tick [ns]."""
+        self._last_ns = stamp_ns - stamp_ns % self._step_ns
+        self._repeatable = True
+        return self._last_ns
+
+    def start_of(self, stamp_ns: int) -> int:
+        """Start of the tick of a stamp [ns]."""
+        return stamp_ns - stamp_ns % self._step_ns
+
+    def forget(self) -> None:
+        """Plan a repeat of the last tick again: something new is to be taken into account."""
+        self._repeatable = False

@@ -1,0 +1,1 @@
+"""Numbers from logs: errors, events, standing, metrics."""

@@ -1,0 +1,1 @@
+"""From simulation to topics: control cycle, lockstep, realtime, commands and states."""

@@ -1,0 +1,133 @@
+"""One control period of the bridge: gate, simulate, observe, log, in the one order that is right.
+
+No ROS here: the node decides when a period happens and with which command.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_controller.types import RobotState
+from ghc_sim_bridge.bridge.torque_gate import GatedTorque, TorqueGate
+from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer, Source
+from ghc_sim_bridge.simulation.hold import hold_torque
+from ghc_sim_bridge.simulation.simulator import Simulator
+from ghc_sim_bridge.simulation.standing_hold import StandingHold
+
+Array = NDArray[np.float64]
+
+NANOSECONDS = 1_000_000_000  # [ns/s]
+
+
+class BaseState(NamedTuple):
+    """Of a base that floats; empty for one that is fixed."""
+
+    pose: Array  # (7,) [m] and quaternion xyzw, world
+    velocity: Array  # (6,) [m/s] and [rad/s], base axes
+
+
+class ControlCycle:
+    """The simulated robot, its time as an exact count of periods, and its log."""
+
+    def __init__(
+        self, simulator: Simulator, gate: TorqueGate, log: FullRateLogBuffer | None
+    ) -> None:
+        """Begin where the simulator stands; a row per period goes to `log` if there is one."""
+        self.simulator = simulator
+        self._gate = gate
+        self._log = log
+        # Stamps are whole nanoseconds: as multiples of this they never drift.
+        self.period_ns = round(simulator.control_dt * NANOSECONDS)
+        self._standing = StandingHold()
+        self._no_command = np.full(len(simulator.joint_names), np.nan)
+        self._observe()
+        self._stepped_at = time.perf_counter()
+
+    def _observe(self) -> None:
+        self.state: RobotState = self.simulator.state()
+        self.time_ns = self.simulator.tick * self.period_ns  # [ns] since the last reset
+        q, v = self.joint_state
+        # Once a state: a state that is repeated on the wire is the same.
+        self.measured: tuple[Array, Array] = (q, self.simulator.measured_velocity(v))
+
+    @property
+    def joint_state(self) -> tuple[Array, Array]:
+        """Positions (na,) [rad] and velocities (na,) [rad/s] of the joints."""
+        na = len(self.simulator.joint_names)
+        return self.state.q[-na:], self.state.v[-na:]
+
+    @property
+    def base(self) -> BaseState:
+        """The base of the state."""
+        na = len(self.simulator.joint_names)
+        return BaseState(self.state.q[:-na], self.state.v[:-na])
+
+    @property
+    def epoch(self) -> int:
+        """Count of resets: tells everybody that time went back."""
+        return self.state.epoch
+
+    def reset(self) -> None:
+        """Back to the start state, in the next epoch."""
+        self.simulator.reset()
+        self._standing.release()
+        self._observe()
+
+    def advance(self, commanded: Array | None) -> GatedTorque:
+        """Simulate one period under `commanded` (n,) [Nm], or held when there is none."""
+        if commanded is not None:
+            self._standing.release()
+        gated = self._gate(
+            self._hold_torque() if commanded is None else commanded, self.simulator.torque
+        )
+        self.simulator.step(gated.torque)
+        if self._log is not None:
+            self._record(self._log, commanded, gated)
+        self._observe()
+        return gated
+
+    def _hold_torque(self) -> Array:
+        simulator, gate = self.simulator, self._gate
+        if simulator.floating_base:
+            return self._standing.torque(
+                simulator.dynamics(),
+                simulator.contact_jacobian(),
+                self.joint_state[0],
+                self.state.v,
+            )
+        return hold_torque(
+            simulator.mass_matrix(),
+            simulator.bias(),
+            self.state.v,
+            gate.torque_limit,
+            simulator.torque,
+            gate.torque_step_limit,
+        )
+
+    def _record(self, log: FullRateLogBuffer, commanded: Array | None, gated: GatedTorque) -> None:
+        if commanded is None:
+            source = Source.HOLD
+        elif gated.limit_hit or gated.rate_hit:
+            source = Source.GATED
+        else:
+            source = Source.COMMAND
+        now = time.perf_counter()
+        log.append(
+            self.time_ns / NANOSECONDS,
+            now - self._stepped_at,
+            (
+                *self.joint_state,
+                self.simulator.acceleration,
+                gated.torque,
+                self._no_command if commanded is None else commanded,
+            ),
+            self.state.wrenches,
+            source,
+            self.epoch,
+            self.base if self.simulator.floating_base else (),
+        )
+        self._stepped_at = now

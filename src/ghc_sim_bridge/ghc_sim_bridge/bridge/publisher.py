@@ -1,0 +1,65 @@
+"""The messages of one simulated instant, in the order that readers rely on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ghc_controller.ros.wire.joint_state import JointStateEncoder
+from ghc_sim_bridge.bridge.cycle import ControlCycle
+from ghc_sim_bridge.bridge.state_cdr import (
+    OdometryEncoder,
+    WrenchEncoder,
+    encode_clock,
+)
+
+Publish = Callable[[Any], None]  # of serialized bytes or of a message
+Observe = Callable[[ControlCycle], None]  # publishes what a sensor has at the cycle's time, if any
+
+WORLD_FRAME = "world"
+
+
+class StatePublisher:
+    """Sensors first: whoever has a joint state can have wrenches, odometry and obstacles of its
+    stamp.
+
+    The clock comes last because nobody waits for it: the controller works meanwhile.
+    """
+
+    def __init__(
+        self,
+        joint_states: Publish,
+        clock: Publish,
+        contacts: Mapping[str, Publish],
+        observe: Observe | None = None,
+        odometry: Publish | None = None,
+    ) -> None:
+        """Where the serialized messages go; `contacts` by contact name, empty for none, and
+        `odometry` of a robot whose base floats."""
+        self._observe = observe
+        self._joint_states = joint_states
+        self._clock = clock
+        self._contacts = dict(contacts)
+        self._odometry = odometry
+        self._wrench = WrenchEncoder(WORLD_FRAME)
+        self._encoder: JointStateEncoder | None = None
+        self._base: OdometryEncoder | None = None
+        self._epoch = -1
+
+    def publish(self, cycle: ControlCycle) -> None:
+        """Send the current state of `cycle`."""
+        if self._encoder is None or self._epoch != cycle.epoch:
+            epoch, simulator = str(cycle.epoch), cycle.simulator
+            self._encoder = JointStateEncoder(simulator.joint_names, epoch)
+            self._base = OdometryEncoder(epoch, simulator.base_frame)
+            self._epoch = cycle.epoch
+        stamp, state, base = cycle.time_ns, cycle.state, cycle.base
+        for name, send in self._contacts.items():
+            send(self._wrench.encode(stamp, state.wrenches[name]))
+        if self._observe is not None:
+            self._observe(cycle)
+        if self._odometry is not None and self._base is not None:
+            self._odometry(self._base.encode(stamp, base.pose, base.velocity))
+        q, v = cycle.measured
+        self._joint_states(self._encoder.encode(stamp, cycle.simulator.torque, q, v))
+        self._clock(encode_clock(stamp))

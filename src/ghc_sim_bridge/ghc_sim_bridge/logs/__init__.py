@@ -1,0 +1,1 @@
+"""What a run leaves: full-rate log and series of controller states."""

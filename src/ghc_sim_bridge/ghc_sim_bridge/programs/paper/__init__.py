@@ -1,0 +1,1 @@
+"""Every experiment of paper and thesis, and the document of results."""

@@ -1,0 +1,1 @@
+"""Recording of topics into an MCAP file."""

@@ -1,0 +1,1 @@
+"""The rim: nodes, parameters and messages. Only this folder imports ROS."""

@@ -1,0 +1,188 @@
+"""The experiment as a client on the public topics: references, transitions, pause, progress."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray
+from ghc_msgs.msg import (
+    ContactForceBounds,
+    ContactSchedule,
+    ControllerState,
+    PriorityMatrix,
+    PriorityTransition,
+    TaskReference,
+    TransitionStatus,
+)
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool
+
+from ghc_controller.errors import GhcError
+from ghc_sim_bridge.logs.controller_trace import ControllerTrace
+from ghc_sim_bridge.ros.experiment_conversions import (
+    ScriptedTransition,
+    reference_message,
+    schedule_message,
+    to_seconds,
+    transition_message,
+)
+from ghc_sim_bridge.scenario.references import Reference
+from ghc_sim_bridge.scenario.schedules import ScriptedSchedule
+
+STATE_TOPIC = "joint_states"
+TICK_TOPIC = "ghc/tick"
+REPORT_TOPIC = "ghc/controller_state"
+REFERENCE_TOPIC = "ghc/task_reference"
+TRANSITION_TOPIC = "ghc/priority_transition"
+SCHEDULE_TOPIC = "constraints/contact_schedule"
+OBSTACLE_TOPIC = "constraints/obstacles"
+
+_LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+_STREAM = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+_RELIABLE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+_LATCHED = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+# One message a contact: as many are kept for a generator that starts later.
+_LATCHED_STREAM = QoSProfile(
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+
+
+class TransitionRejected(GhcError):
+    """The controller refused a scripted transition; the message holds its reason."""
+
+
+class ExperimentClient(Node):
+    """Publishes what is scripted and remembers what the controller says; decides nothing."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__("experiment", context=context)
+        self.trace = ControllerTrace()
+        self.statuses: dict[str, TransitionStatus] = {}  # id -> latest answer
+        self.accepted: set[str] = set()
+        self.controller_spoke = False
+        self.state_time: float | None = None  # [s] latest joint state, while watched
+        self.diagnostics: dict[str, dict[str, str]] = {}  # node -> its latest values
+        self.planned_contacts: set[str] = set()  # of the plans seen before time runs
+        self._states: Subscription | None = None
+        self._schedules = self.create_publisher(ContactSchedule, SCHEDULE_TOPIC, _LATCHED_STREAM)
+        self._references = self.create_publisher(TaskReference, REFERENCE_TOPIC, _RELIABLE)
+        self._transitions = self.create_publisher(PriorityTransition, TRANSITION_TOPIC, _RELIABLE)
+        self._pause = self.create_client(SetBool, "sim_bridge/pause")
+        self.create_subscription(
+            TransitionStatus, "ghc/transition_status", self._on_status, _RELIABLE
+        )
+        self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
+        self._plans = self.create_subscription(
+            ContactForceBounds, "constraints/contact_force_bounds", self._on_plan, _LATEST
+        )
+        self._matrices = self.create_subscription(
+            PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED
+        )
+        self.create_subscription(ControllerState, REPORT_TOPIC, self._on_controller_state, _STREAM)
+
+    def watch_states(self, watch: bool) -> None:
+        """Read the joint states or stop doing so: at 1 kHz reading them is not free."""
+        if watch and self._states is None:
+            self._states = self.create_subscription(
+                JointState, STATE_TOPIC, self._on_state, _LATEST
+            )
+        elif not watch and self._states is not None:
+            self.destroy_subscription(self._states)
+            self._states = None
+
+    def stop_waiting_for_controller(self) -> None:
+        """Leave the latched topic that told of the controller's start."""
+        self.destroy_subscription(self._matrices)
+
+    def is_read_by(self, node: str, topic: str) -> bool:
+        """Whether a node subscribes to a topic."""
+        readers = self.get_subscriptions_info_by_topic(topic)
+        return any(reader.node_name == node for reader in readers)
+
+    def publish_reference(self, reference: Reference, duration: float) -> None:
+        """Send the reference of one task for a run of `duration` [s], stamped with time zero."""
+        self._references.publish(reference_message(reference, duration))
+
+    def publish_transition(self, transition: ScriptedTransition) -> None:
+        """Send one transition; the answer comes by `raise_if_rejected` and `accepted`."""
+        self._transitions.publish(transition_message(transition))
+
+    def publish_schedule(self, schedule: ScriptedSchedule) -> None:
+        """Send what one contact may carry, at simulated times."""
+        self._schedules.publish(schedule_message(schedule))
+
+    def schedules_judged(self) -> int:
+        """How many schedules the generator has accepted or refused, by its diagnostics."""
+        values = self.diagnostics.get("contact_force_bounds", {})
+        return int(values.get("schedules", 0)) + self.schedules_refused()
+
+    def schedules_refused(self) -> int:
+        """How many of them it refused."""
+        values = self.diagnostics.get("contact_force_bounds", {})
+        return int(values.get(f"rejected_{SCHEDULE_TOPIC}", 0))
+
+    def raise_if_rejected(self) -> None:
+        """Raise TransitionRejected with the controller's reason, if it refused one."""
+        for status in self.statuses.values():
+            if status.status == TransitionStatus.REJECTED:
+                raise TransitionRejected(
+                    f"transition '{status.id}' was rejected by the controller: {status.reason}"
+                )
+
+    @property
+    def pause_service_ready(self) -> bool:
+        """Whether the bridge offers its pause service."""
+        return self._pause.service_is_ready()
+
+    def resume(self) -> Future:
+        """Ask the bridge to let time run; plans are not read any more."""
+        self.destroy_subscription(self._plans)
+        return self._pause.call_async(SetBool.Request(data=False))
+
+    def _on_status(self, message: TransitionStatus) -> None:
+        self.statuses[message.id] = message
+        if message.status != TransitionStatus.REJECTED:
+            self.accepted.add(message.id)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.diagnostics[status.name] = {pair.key: pair.value for pair in status.values}
+
+    def _on_plan(self, message: ContactForceBounds) -> None:
+        self.planned_contacts |= set(message.contacts)
+
+    def _on_matrix(self, _message: PriorityMatrix) -> None:
+        self.controller_spoke = True
+
+    def _on_state(self, message: JointState) -> None:
+        self.state_time = to_seconds(message.header.stamp)
+
+    def _on_controller_state(self, message: ControllerState) -> None:
+        trace = self.trace
+        time = to_seconds(message.header.stamp)
+        if trace.time and time <= trace.time[-1]:
+            return
+        trace.tasks = tuple(task.name for task in message.tasks)
+        trace.time.append(time)
+        trace.alpha.append(list(message.alpha))
+        trace.errors.append([task.error_norm for task in message.tasks])
+        trace.references.append([list(task.reference) for task in message.tasks])
+        trace.time_terms.append(message.time_terms)
+        trace.time_solve.append(message.time_solve)
+        trace.time_step.append(message.time_step)
+        for name, value in zip(message.slack_names, message.slack, strict=False):
+            trace.slack[name] = max(trace.slack.get(name, 0.0), abs(value))
+        if message.fallback_reason:
+            trace.fallback_reasons.add(message.fallback_reason)
+        trace.constraints.append(time, message)
+        trace.loads.append(time, message)
+        trace.counts = {count.name: count.count for count in message.counts}

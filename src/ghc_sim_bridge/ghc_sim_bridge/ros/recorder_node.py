@@ -1,0 +1,161 @@
+"""Records every topic to an MCAP file, in a process of its own.
+
+Topics are found as they appear, whatever their names and types. Messages are kept as they came
+over the wire. Fast topics are thinned to a grid of simulated time, unless record_mode is `full`:
+then every message is kept, and the bridge's parameter `lossless` makes it wait for this reader
+rather than lose one.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+
+from ghc_controller.errors import ConfigurationError
+from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.wire.cdr import read_stamp
+from ghc_sim_bridge.recorder.decimation import Decimator
+from ghc_sim_bridge.recorder.mcap_recording import McapRecording
+from ghc_sim_bridge.recorder.timeline import RecordingTimeline
+from ghc_sim_bridge.ros.conversions import recording_qos
+from ghc_sim_bridge.ros.message_schema import message_schema
+from ghc_sim_bridge.ros.parameters import RecorderParameters
+
+NODE_NAME = "recorder"
+DISCOVERY_PERIOD = 0.1  # [s] wall
+GRACE = 0.3  # [s] wall for the last words of nodes that end together with this one
+BACKLOG = 300  # [-] messages found waiting at once: this reader was behind, there may be more
+PATIENCE = 8.0  # [s] wall for all of them
+CLOCK_TOPIC = "/clock"
+# Fast topics by their last name, and by the one before it for topics like contacts/<name>. All
+# of them begin with a stamp; a topic of such a name that does not is not thinned.
+FAST_NAMES = frozenset({"joint_states", "joint_commands", "clock", "odom", "controller_state"})
+FAST_FOLDERS = frozenset({"contacts"})
+Receive = Callable[[bytes], None]
+NANOSECONDS = 1_000_000_000  # [ns/s]
+
+
+def is_fast(topic: str) -> bool:
+    """Whether `topic` is published once per control period."""
+    folder, _, name = topic.rpartition("/")
+    return name in FAST_NAMES or folder.rpartition("/")[2] in FAST_FOLDERS
+
+
+class Recorder:
+    """Subscribes to what appears and hands the bytes to the recording."""
+
+    def __init__(self, stop: Future) -> None:
+        """Open the file and look for topics.
+
+        `stop` ends the node, also with an error from writing. Raises GhcError or OSError when
+        a parameter or the file cannot be used.
+        """
+        self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
+        self._parameters = p = read_parameters(self.node, RecorderParameters)
+        self.executor = p.executor
+        self._recording = McapRecording(Path(p.output))
+        self._timeline = RecordingTimeline(time.time_ns())
+        self._stop = stop
+        self._known: set[str] = set()
+        self._listeners: list[tuple[Subscription, type, Receive]] = []
+        wall = RosClock(clock_type=ClockType.STEADY_TIME)
+        self.node.create_timer(DISCOVERY_PERIOD, guarded(stop, self._discover), clock=wall)
+        self._discover()
+
+    def _discover(self) -> None:
+        for topic, types in self.node.get_topic_names_and_types():
+            if topic not in self._known and self.node.count_publishers(topic) > 0:
+                self._known.add(topic)
+                self._subscribe(topic, types[0])
+
+    def _subscribe(self, topic: str, type_name: str) -> None:
+        try:
+            kind, schema = _message_class(type_name), message_schema(type_name)
+        except ConfigurationError as error:
+            self.node.get_logger().warning(f"{topic} is not recorded: {error}")
+            return
+        fast = is_fast(topic) and _begins_with_stamp(kind)
+        full = self._parameters.record_mode == "full"
+        offers = self.node.get_publishers_info_by_topic(topic)
+        qos = recording_qos([offer.qos_profile for offer in offers], lossless=full or not fast)
+        self._recording.add_topic(topic, type_name, schema, str(qos))
+        decimator = (
+            Decimator(round(NANOSECONDS / self._parameters.fast_rate))
+            if fast and not full
+            else None
+        )
+        receive = partial(self._receive, topic, decimator)
+        listener = self.node.create_subscription(
+            kind, topic, guarded(self._stop, receive), qos, raw=True
+        )
+        self._listeners.append((listener, kind, receive))
+
+    def _receive(self, topic: str, decimator: Decimator | None, data: bytes) -> None:
+        # The wall time of reception stands for that of publication: EventsExecutor of Jazzy fails
+        # on callbacks that ask for the middleware's time stamps.
+        if topic == CLOCK_TOPIC:
+            self._timeline.clock(read_stamp(data))
+        if decimator is not None and not decimator.keeps(read_stamp(data)):
+            return
+        now_ns = time.time_ns()
+        self._timeline.write(now_ns, partial(self._write, topic, now_ns, data))
+
+    def _write(self, topic: str, publish_time_ns: int, data: bytes, log_time_ns: int) -> None:
+        self._recording.write(topic, log_time_ns, publish_time_ns, data)
+
+    def close(self) -> None:
+        """Take what is still on the way, and write the file's index."""
+        began = time.monotonic()
+        end = began + GRACE
+        while time.monotonic() < end:
+            if self._take_waiting() > BACKLOG:
+                end = min(time.monotonic() + GRACE, began + PATIENCE)
+            time.sleep(0.01)
+        self._timeline.decide()
+        self._recording.close()
+
+    def _take_waiting(self) -> int:
+        """Receive what waits in the readers without an executor; how many messages it was."""
+        count = 0
+        for listener, kind, receive in self._listeners:
+            with listener.handle:
+                while (taken := listener.handle.take_message(kind, True)) is not None:
+                    receive(taken[0])
+                    count += 1
+        return count
+
+
+def _message_class(type_name: str) -> type:
+    package, _, name = type_name.split("/")
+    try:
+        found: type = getattr(import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError) as error:
+        raise ConfigurationError(f"message type '{type_name}': {error}") from error
+    return found
+
+
+def _begins_with_stamp(kind: Any) -> bool:
+    """Whether the first field of a message class is a header or a time."""
+    types = list(kind.get_fields_and_field_types().values())
+    return bool(types) and types[0] in ("std_msgs/Header", "builtin_interfaces/Time")
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Record until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    return run_node(NODE_NAME, Recorder, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

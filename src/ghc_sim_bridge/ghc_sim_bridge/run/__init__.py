@@ -1,0 +1,1 @@
+"""Processes of a run: domains, CPUs, progress, interrupts."""

@@ -1,0 +1,1 @@
+"""Scenario files, and the plan of a run."""

@@ -1,0 +1,106 @@
+"""Postures at times, out of which the references of several tasks are computed.
+
+A motion of the whole body is easier said by its postures than by what each task sees of it: the
+joints go from posture to posture, at rest in each, along minimum jerk polynomials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_controller.schema.reader import Fields
+from ghc_sim_bridge.scenario.posture_motion import minimum_jerk
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """A posture at which the robot is at rest."""
+
+    time: float  # [s] simulated
+    joints: Mapping[str, float]  # [rad]; a joint that is not named keeps its value
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframes:
+    """A motion as postures, and the tasks that follow it."""
+
+    tasks: tuple[str, ...]  # the tasks that get a reference
+    sample: float  # [s] between two points of the references
+    postures: tuple[Keyframe, ...]  # increasing times; before the first: the scene's start
+
+    def sample_times(self) -> tuple[float, ...]:
+        """Points [s] no more than `sample` apart, the keyframes among them."""
+        times = [self.postures[0].time]
+        for start, end in zip(self.postures[:-1], self.postures[1:], strict=True):
+            span = end.time - start.time
+            count = max(1, int(np.ceil(span / self.sample - 1e-9)))
+            times += [start.time + span * (k + 1) / count for k in range(count)]
+        return tuple(times)
+
+
+@dataclass(frozen=True, slots=True)
+class JointMotion:
+    """Where the joints are at an instant."""
+
+    position: Array  # (na,) [rad]
+    velocity: Array  # (na,) [rad/s]
+    acceleration: Array  # (na,) [rad/s^2]
+
+
+def joint_motion(
+    keyframes: Keyframes, start: Array, names: Sequence[str], t: float
+) -> JointMotion:
+    """The joints of `names` at time t [s]; `start` (na,) [rad] is their posture before."""
+    place = {name: k for k, name in enumerate(names)}
+    postures = [np.array(start, float)]
+    for keyframe in keyframes.postures:
+        posture = postures[-1].copy()
+        for name, value in keyframe.joints.items():
+            posture[place[name]] = value
+        postures.append(posture)
+    times = [keyframe.time for keyframe in keyframes.postures]
+    segment = int(np.searchsorted(times, t, side="right"))
+    still = np.zeros(len(names))
+    if segment in (0, len(times)):
+        return JointMotion(postures[max(1, segment)], still, still)
+    before, after = postures[segment], postures[segment + 1]
+    span = times[segment] - times[segment - 1]
+    s = (t - times[segment - 1]) / span
+    way = after - before
+    return JointMotion(
+        before + way * minimum_jerk(s),
+        way * (30.0 * s**2 * (1.0 - s) ** 2 / span),
+        way * (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / span**2),
+    )
+
+
+def read_keyframes(fields: Fields) -> Keyframes:
+    """The section `keyframes` of a scenario.
+
+    Raises ConfigurationError: no task or posture, or times that do not increase.
+    """
+    tasks = fields.names("tasks", of="task names")
+    postures: list[Keyframe] = []
+    for entry in fields.sections("postures"):
+        joints = entry.section("joints", optional=True)
+        keyframe = Keyframe(
+            entry.number("time", minimum=0.0),
+            {name: joints.number(name) for name in joints.given()},
+        )
+        entry.done()
+        if postures and keyframe.time <= postures[-1].time:
+            raise entry.error(
+                "time",
+                f"more than {postures[-1].time:g} s (the posture before) expected, "
+                f"{keyframe.time:g} given",
+            )
+        postures.append(keyframe)
+    keyframes = Keyframes(tasks, fields.number("sample", 0.1, minimum=1e-3), tuple(postures))
+    fields.done()
+    return keyframes

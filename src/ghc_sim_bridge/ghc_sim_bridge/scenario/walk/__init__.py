@@ -1,0 +1,1 @@
+"""Walking: footsteps and the motion of the center of mass."""

@@ -1,0 +1,183 @@
+"""A straight walk on level ground: references of its tasks and schedules of its contacts.
+
+As in the thesis (2016), section 5.4.4: a second a step of which 0.3 s on both feet; the
+zero-moment point goes from one sole to the other while both stand, and the centre of mass follows
+it by preview (Kajita et al. 2003). Step k of the walk begins with its double support.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ghc_sim_bridge.scenario.references import Reference, ReferencePoint, Vector
+from ghc_sim_bridge.scenario.schedules import Event, ScriptedSchedule
+from ghc_sim_bridge.scenario.walk.zmp_preview import ZmpPreview
+
+Array = NDArray[np.float64]
+
+PREVIEW_STEP = 0.01  # [s]
+PATH_SAMPLES = 2  # preview steps between two points of the reference: quintics in between
+SETTLED = 2.0  # [s] after the last step the centre of mass is at rest
+
+
+@dataclass(frozen=True, slots=True)
+class Foot:
+    """One foot: the task that swings it, the contact that it stands on, where it starts."""
+
+    task: str
+    contact: str
+    pose: Vector  # (7,) [m] and quaternion xyzw, in the world
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """What a scenario says of a walk along the world's x axis, the ground being at z = 0."""
+
+    task: str  # of the centre of mass
+    center_of_mass: Vector  # (3,) [m] at the start and, carried along, at the end
+    feet: tuple[Foot, Foot]  # the first one swings first
+    start: float  # [s] beginning of the first step
+    steps: int  # the last one closes the feet
+    length: float  # [m] by which a foot lands ahead of the other one
+    height: float  # [m] of the swing foot
+    step_time: float  # [s]
+    double_support: float  # [s] of each step
+    settle: float  # [s] of the swing, at its end: the foot rests on the ground, not yet a contact
+    force_upper: float  # [N] of a foot that stands
+    force_unloaded: float  # [N] of the leaving foot before its break, of the other after its touch
+
+
+class Step(NamedTuple):
+    """One step: times and places along x."""
+
+    swing: int  # which of the feet
+    begins: float  # [s] double support
+    breaks: float  # [s]
+    touches: float  # [s]
+    origin: float  # [m] x of the swing foot relative to its start
+    goal: float  # [m]
+    stance: float  # [m] of the other foot
+
+
+def walk_steps(walk: Walk) -> Iterator[Step]:
+    """The steps in the order of their times."""
+    place = [0.0, 0.0]
+    for k in range(walk.steps):
+        swing = k % 2
+        begins = walk.start + k * walk.step_time
+        stance = place[1 - swing]
+        goal = stance if k == walk.steps - 1 else stance + walk.length
+        yield Step(
+            swing,
+            begins,
+            begins + walk.double_support,
+            begins + walk.step_time,
+            place[swing],
+            goal,
+            stance,
+        )
+        place[swing] = goal
+
+
+def walk_references(walk: Walk) -> tuple[Reference, ...]:
+    """References of the centre of mass and of both feet."""
+    feet = (Reference(foot.task, _swings(walk, k)) for k, foot in enumerate(walk.feet))
+    return (Reference(walk.task, _center_of_mass(walk)), *feet)
+
+
+def walk_schedules(walk: Walk) -> tuple[ScriptedSchedule, ...]:
+    """Largest normal force of both contacts: zero from break to touch, little next to these."""
+    return tuple(_schedule(walk, k) for k in range(2))
+
+
+def walk_events(walk: Walk) -> tuple[Event, ...]:
+    """Every break and touch, named by step and contact."""
+    return tuple(
+        Event(round(time, 9), f"{k}: {walk.feet[step.swing].contact} {what}")
+        for k, step in enumerate(walk_steps(walk), start=1)
+        for time, what in ((step.breaks, "breaks"), (step.touches, "touches"))
+    )
+
+
+def wanted_zmp(walk: Walk) -> Array:
+    """Wanted zero-moment point (T, 2) [m], every PREVIEW_STEP from time 0.
+
+    Above each stance foot it lies where the centre of mass lay between both at the start.
+    """
+    middle = np.mean([foot.pose[:2] for foot in walk.feet], axis=0)
+    offset = np.array(walk.center_of_mass[:2]) - middle
+    times, points = [0.0], [middle + offset]
+    here = points[0]
+    end = walk.start
+    steps = tuple(walk_steps(walk))
+    for step in steps:
+        there = np.array(walk.feet[1 - step.swing].pose[:2]) + [step.stance, 0.0] + offset
+        times += [step.begins, step.breaks]
+        points += [here, there]
+        here, end = there, step.touches
+    last = middle + offset + [steps[-1].goal, 0.0]
+    times += [end, end + walk.double_support, end + walk.double_support + SETTLED]
+    points += [here, last, last]
+    samples = PREVIEW_STEP * np.arange(round(times[-1] / PREVIEW_STEP) + 1)
+    return np.stack([np.interp(samples, times, axis) for axis in np.transpose(points)], axis=1)
+
+
+def _center_of_mass(walk: Walk) -> tuple[ReferencePoint, ...]:
+    height = walk.center_of_mass[2]
+    preview = ZmpPreview(height, PREVIEW_STEP)
+    start = walk.center_of_mass
+    zmp = wanted_zmp(walk)
+    x, y = (preview.path(zmp[:, k], (start[k], 0.0, 0.0)) for k in range(2))
+    return tuple(
+        ReferencePoint(
+            round(PREVIEW_STEP * k, 9),
+            (float(x.position[k]), float(y.position[k]), height),
+            (float(x.velocity[k]), float(y.velocity[k]), 0.0),
+            (float(x.acceleration[k]), float(y.acceleration[k]), 0.0),
+        )
+        for k in range(0, len(zmp), PATH_SAMPLES)
+    )
+
+
+def _swings(walk: Walk, foot: int) -> tuple[ReferencePoint, ...]:
+    """Minimum jerk: along x over the whole swing, up over its first half, down over the other."""
+    x, y, z, *rotation = walk.feet[foot].pose
+    still = (0.0,) * 6
+
+    def point(time: float, along: float, up: float, speed: float = 0.0) -> ReferencePoint:
+        pose = (x + along, y, z + up, *rotation)
+        return ReferencePoint(round(time, 9), pose, (speed, *still[1:]), still)
+
+    points = [point(0.0, 0.0, 0.0)]
+    for step in walk_steps(walk):
+        if step.swing != foot:
+            continue
+        duration = step.touches - walk.settle - step.breaks
+        way = step.goal - step.origin
+        middle = step.breaks + 0.5 * duration
+        points += [
+            point(step.breaks, step.origin, 0.0),
+            point(middle, step.origin + 0.5 * way, walk.height, 1.875 * way / duration),
+            point(step.breaks + duration, step.goal, 0.0),
+        ]
+    return tuple(points)
+
+
+def _schedule(walk: Walk, foot: int) -> ScriptedSchedule:
+    entries = [(0.0, walk.force_upper)]
+    half = 0.5 * walk.double_support
+    for step in walk_steps(walk):
+        if step.swing == foot:
+            entries += [
+                (step.breaks - half, walk.force_unloaded),
+                (step.breaks, 0.0),
+                (step.touches, walk.force_unloaded),
+                (step.touches + half, walk.force_upper),
+            ]
+    times, upper = zip(*((round(time, 9), force) for time, force in entries), strict=True)
+    return ScriptedSchedule(walk.feet[foot].contact, times, (0.0,) * len(times), upper, 0.0)

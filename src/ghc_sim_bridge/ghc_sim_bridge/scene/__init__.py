@@ -1,0 +1,1 @@
+"""Scene files: what a simulation adds to a robot."""

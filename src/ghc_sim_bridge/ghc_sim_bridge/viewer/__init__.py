@@ -1,0 +1,1 @@
+"""The Rerun viewer: live and from a recording."""

@@ -1,0 +1,161 @@
+"""A scene file is checked with file and field in the message; what it says ends up in MuJoCo."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robot_scenes import FIXED_SCENES
+
+from ghc_controller.errors import ConfigurationError, GhcError, UnknownName
+from ghc_sim_bridge.scene.description import find_scene, list_scenes, load_scene
+from ghc_sim_bridge.simulation.mujoco_model import build_model
+from ghc_sim_bridge.simulation.simulator import Simulator
+
+SCENE = """
+robot: kuka_lwr
+start: {joint_1: 0.1}
+surfaces: [{name: ground, kind: plane, top: [0, 0, -0.5]}]
+contacts: [{name: tip, frame: tool, radius: 0.03, points: [[0, 0, 0], [0, 0, 0.1]]}]
+camera: {look_at: [0, 0, 0.5], distance: 2, azimuth: 120, elevation: -20}
+"""
+
+
+def scene_file(folder: Path, text: str = SCENE) -> Path:
+    file = folder / "scene.yaml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_scenes_are_found_by_name_and_by_path() -> None:
+    assert {"kuka_lwr", "kuka_lwr_plane"} <= set(list_scenes())
+    file = find_scene("kuka_lwr")
+    assert find_scene(file) == find_scene(str(file)) == file
+
+
+@pytest.mark.parametrize("name", FIXED_SCENES)
+def test_every_scene_starts_inside_the_joint_limits_and_above_its_surfaces(name: str) -> None:
+    simulator = Simulator(name)
+    lower, upper = simulator.position_limits.T
+    assert (simulator.start > lower + 0.1).all() and (simulator.start < upper - 0.1).all()
+    simulator.step(simulator.hold_torque())
+    for wrench in simulator.contact_wrenches().values():
+        assert np.array_equal(wrench, np.zeros(6))
+
+
+def test_a_scene_file_of_the_user_is_read_as_it_stands(tmp_path: Path) -> None:
+    simulator = Simulator(scene_file(tmp_path))
+    assert simulator.start.tolist() == [0.1, 0, 0, 0, 0, 0, 0]
+    assert list(simulator.contact_wrenches()) == ["tip"]
+    assert simulator.model.opt.gravity.tolist() == [0.0, 0.0, -9.81]
+    spheres = [simulator.model.geom(f"contact/tip/{k}") for k in range(2)]
+    assert [sphere.size[0] for sphere in spheres] == [0.03, 0.03]
+    assert spheres[1].pos[2] - spheres[0].pos[2] == pytest.approx(0.1)
+
+
+def test_nothing_of_the_scene_changes_the_robots_masses(tmp_path: Path) -> None:
+    plain = build_model(load_scene("kuka_lwr"), 1e-3)
+    dressed = build_model(load_scene(scene_file(tmp_path)), 1e-3)
+    assert np.array_equal(plain.body_mass, dressed.body_mass)
+    assert np.array_equal(plain.body_inertia, dressed.body_inertia)
+    assert not plain.dof_damping.any() and not plain.dof_armature.any()
+    assert not plain.dof_frictionloss.any()
+
+
+def test_the_robot_does_not_touch_itself() -> None:
+    """Folded onto itself, the arm has no contact: shapes are for the eye."""
+    simulator = Simulator("kuka_lwr")
+    simulator.reset([0.0, 2.0, 0.0, -2.0, 0.0, 2.0, 0.0])
+    assert simulator.data.ncon == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("robot: kuka_lwr", "robot: kuka", "scene.yaml: robot: unknown robot 'kuka'; known: "),
+        ("robot: kuka_lwr", "", "scene.yaml: robot: missing; given: "),
+        ("joint_1: 0.1", "joint_1: high", r"start.joint_1: a number expected, 'high' given"),
+        ("kind: plane", "kind: sphere", r"surfaces\[0\].kind: 'sphere' given; known: plane, box"),
+        ("[0, 0, -0.5]", "[0, 0]", r"surfaces\[0\].top: 3 numbers expected, 2 given"),
+        ("kind: plane,", "kind: plane, touches: 1,", r"surfaces\[0\].touches: true or false"),
+        ("kind: plane,", "kind: box,", r"surfaces\[0\].size: missing; given: "),
+        ("kind: plane,", "kind: box, size: [1, 1, 0],", r"surfaces\[0\].size: lengths above 0"),
+        ("kind: plane,", "kind: plane, hieght: 1,", r"surfaces\[0\].hieght: unknown field"),
+        ("radius: 0.03", "radius: -1", r"contacts\[0\].radius: a number >= 0.0001 expected, -1"),
+        ("[[0, 0, 0], [0, 0, 0.1]]", "[[0, 0]]", r"points\[0\]: 3 numbers expected, 2 given"),
+        ("[[0, 0, 0], [0, 0, 0.1]]", "[]", r"points: a list of vectors of 3 numbers"),
+        ("distance: 2,", "", "camera.distance: missing; given: "),
+        ("surfaces:", "surface:", "surface: unknown field; known: .*surfaces"),
+    ],
+)
+def test_what_cannot_be_used_is_named(tmp_path: Path, old: str, new: str, message: str) -> None:
+    assert old in SCENE
+    with pytest.raises(ConfigurationError, match=message) as error:
+        load_scene(scene_file(tmp_path, SCENE.replace(old, new)))
+    assert str(error.value).count("\n") == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("frame: tool", "frame: hand", "unknown frame of contact 'tip' 'hand'; known: .*tool"),
+        ("joint_1", "joint_9", "unknown joint in 'start' of .*'joint_9'; known: joint_1"),
+    ],
+)
+def test_names_that_the_robot_does_not_have_are_named(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    with pytest.raises(UnknownName, match=message):
+        Simulator(scene_file(tmp_path, SCENE.replace(old, new)))
+
+
+def test_an_unknown_scene_is_refused_with_the_ones_that_exist(tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match=r"unknown scene 'moon'; known: .*kuka_lwr, "):
+        load_scene("moon")
+    with pytest.raises(ConfigurationError, match=r"moon.yaml' does not exist.*kuka_lwr"):
+        load_scene(tmp_path / "moon.yaml")
+
+
+@pytest.mark.parametrize(
+    ("floating", "base", "message"),
+    [
+        ("true", "", "scene.yaml: base: missing; given: "),
+        ("maybe", "", "robot.yaml: floating_base: true or false expected, 'maybe' given"),
+        ("false", "base: {stand_on: [foot]}", "scene.yaml: base: the robot's base is fixed"),
+        ("true", "base: {stand_on: []}", "base.stand_on: a list of frames expected"),
+        (
+            "true",
+            "base: {stand_on: [foot], yaw: 1}",
+            "base.yaw: unknown field; known: stand_on, at",
+        ),
+    ],
+)
+def test_where_a_base_starts_is_given_for_a_floating_one_only(
+    tmp_path: Path, floating: str, base: str, message: str
+) -> None:
+    (tmp_path / "robot.yaml").write_text(f"{{urdf: x.urdf, floating_base: {floating}}}", "utf-8")
+    (tmp_path / "x.urdf").touch()
+    text = SCENE.replace("robot: kuka_lwr", "robot: ./robot.yaml") + base
+    with pytest.raises(ConfigurationError, match=message):
+        load_scene(scene_file(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("urdf", "message"),
+    [
+        (None, "arm.urdf' does not exist"),
+        ("no xml at all", "not a URDF"),
+        ("<robot name='arm'><link name='a'/><joint/></robot>", "arm.urdf: .*"),
+    ],
+)
+def test_a_urdf_that_cannot_be_used_is_named(
+    tmp_path: Path, urdf: str | None, message: str
+) -> None:
+    (tmp_path / "robot.yaml").write_text("{urdf: arm.urdf}", encoding="utf-8")
+    if urdf is not None:
+        (tmp_path / "arm.urdf").write_text(urdf, encoding="utf-8")
+    file = scene_file(tmp_path, SCENE.replace("robot: kuka_lwr", "robot: ./robot.yaml"))
+    with pytest.raises(GhcError, match=message) as error:
+        Simulator(file)
+    assert "\n" not in str(error.value)

@@ -1,0 +1,87 @@
+"""MuJoCo and Pinocchio, both fed by the URDF, are the same robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pinocchio
+import pytest
+from numpy.typing import NDArray
+from robot_scenes import FIXED_SCENES
+
+from ghc_sim_bridge.simulation.simulator import Simulator
+
+STATES = 100
+TOLERANCE = 1e-9
+
+Array = NDArray[np.float64]
+State = tuple[Array, Array]
+
+
+@pytest.fixture(params=FIXED_SCENES)
+def simulator(request: pytest.FixtureRequest) -> Simulator:
+    return Simulator(request.param)
+
+
+def random_states(simulator: Simulator, seed: int) -> Iterator[State]:
+    """Postures within the position limits, velocities within the velocity limits."""
+    rng = np.random.default_rng(seed)
+    lower, upper = simulator.position_limits.T
+    for _ in range(STATES):
+        q = rng.uniform(lower, upper)
+        v = rng.uniform(-1.0, 1.0, len(q)) * simulator.velocity_limit
+        simulator.reset(q, v)
+        yield q, v
+
+
+def pinocchio_model(simulator: Simulator) -> tuple[pinocchio.Model, pinocchio.Data]:
+    model = pinocchio.buildModelFromUrdf(str(simulator.scene.urdf))
+    assert tuple(model.names)[1:] == simulator.joint_names
+    return model, model.createData()
+
+
+def test_mass_matrices_agree(simulator: Simulator) -> None:
+    model, data = pinocchio_model(simulator)
+    for q, _ in random_states(simulator, seed=1):
+        upper = np.triu(pinocchio.crba(model, data, q))
+        expected = upper + np.triu(upper, 1).T
+        assert np.abs(simulator.mass_matrix() - expected).max() < TOLERANCE
+
+
+def test_bias_torques_agree(simulator: Simulator) -> None:
+    model, data = pinocchio_model(simulator)
+    for q, v in random_states(simulator, seed=2):
+        expected = pinocchio.nonLinearEffects(model, data, q, v)
+        assert np.abs(simulator.bias() - expected).max() < TOLERANCE
+
+
+@pytest.mark.parametrize("frame", ["elbow", "tool"])
+def test_frames_and_jacobians_agree(simulator: Simulator, frame: str) -> None:
+    model, data = pinocchio_model(simulator)
+    index = model.getFrameId(frame)
+    for q, _ in random_states(simulator, seed=3):
+        pinocchio.computeJointJacobians(model, data, q)
+        pinocchio.updateFramePlacements(model, data)
+        jacobian = pinocchio.getFrameJacobian(model, data, index, pinocchio.LOCAL_WORLD_ALIGNED)
+        place = data.oMf[index]
+        assert np.abs(simulator.frame_jacobian(frame) - jacobian).max() < TOLERANCE
+        assert np.abs(simulator.frame_position(frame) - place.translation).max() < TOLERANCE
+        assert np.abs(simulator.frame_rotation(frame) - place.rotation).max() < TOLERANCE
+
+
+def test_acceleration_of_a_free_step_is_that_of_the_equation_of_motion(
+    simulator: Simulator,
+) -> None:
+    """v(t + dt) = v + dt M^-1 (tau - h): what inverse dynamics asks for happens to rounding."""
+    rng = np.random.default_rng(4)
+    for q, v in random_states(simulator, seed=4):
+        # Away from the end stops and the table, where nothing but the torque acts.
+        simulator.reset(0.9 * q, v)
+        if any(np.abs(w).max() > 0.0 for w in simulator.contact_wrenches().values()):
+            continue
+        if simulator.frame_position("tool")[2] < 0.4:
+            continue
+        wanted = rng.uniform(-20.0, 20.0, len(q))  # [rad/s^2]
+        simulator.step(simulator.mass_matrix() @ wanted + simulator.bias())
+        assert np.abs(simulator.acceleration - wanted).max() < 1e-7
