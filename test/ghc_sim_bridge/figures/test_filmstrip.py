@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from robot_scenes import FLOATING_SCENES
 
 from ghc_controller.errors import InvalidValue
@@ -18,8 +17,6 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLog, FullRateLogBuffer
 from ghc_sim_bridge.simulation.rendering import GAP
 from ghc_sim_bridge.simulation.simulator import Simulator
 from ghc_sim_bridge.viewer.robot import RerunRobot
-
-Array = NDArray[np.float64]
 
 SIZE = (160, 200)
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 HEIGHT_SHARE = 0.1  # [-] of the height that it shall end at
 LARGEST_TILT = 10.0  # [deg]

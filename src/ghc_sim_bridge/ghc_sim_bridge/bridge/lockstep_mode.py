@@ -5,14 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ghc_controller.types import Array
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.lockstep import Due, Lockstep
 from ghc_sim_bridge.bridge.run_mode import Outcome
-
-Array = NDArray[np.float64]
 
 TICK_PERIOD = 0.01  # [s] wall; how often repeats and the deadline are looked at
 

@@ -5,16 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ghc_controller.types import Array
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.lockstep import REPEAT_PERIOD
 from ghc_sim_bridge.bridge.pacing import Pacer
 from ghc_sim_bridge.bridge.run_mode import Outcome
 from ghc_sim_bridge.bridge.watchdog import Watchdog
-
-Array = NDArray[np.float64]
 
 
 class RealtimeMode:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 COUNTED_EXCESS = 1e-6  # [Nm] less is rounding of the controller's own bounds: clipped, not counted
 

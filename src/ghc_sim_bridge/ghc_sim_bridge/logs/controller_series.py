@@ -11,11 +11,9 @@ import numpy as np
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 SCHEMA = "ghc_msgs/msg/ControllerState"
 

@@ -7,14 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from ghc_msgs.msg import ObstacleState, ObstacleStateArray
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from ghc_controller.ros.conversions.common import time_from_nanoseconds
+from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleReading
-
-Array = NDArray[np.float64]
 
 # With every message kept until each reliable reader has it, publishing waits for a slow recorder.
 LOSSLESS_PUBLISHER_QOS = QoSProfile(

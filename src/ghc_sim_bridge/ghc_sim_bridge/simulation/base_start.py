@@ -6,11 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.scene.values import BaseStart
 
-Array = NDArray[np.float64]
 Place = tuple[Array, Array]  # (3,) [m], (3, 3): of a frame in the axes of the base
 
 

@@ -14,12 +14,10 @@ dT/dt v_sim = [-w x (R^T dp/dt), 0, 0].
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.joint_map import JointMap
-
-Array = NDArray[np.float64]
 
 QUATERNION_TOLERANCE = 1e-6  # [-] of its norm
 _BASE_NQ, _BASE_NV = 7, 6

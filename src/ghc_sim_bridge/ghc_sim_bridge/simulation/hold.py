@@ -7,9 +7,8 @@ k for all joints is unstable on a light wrist (k dt / inertia > 2) or lame on th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 BRAKE_TIME = 0.05  # [s] time constant with which the velocity decays
 
