@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.types import Array
+from ghc_controller.types import NANOSECONDS, Array
 from ghc_sim_bridge.scene.values import Obstacle, Vector
 
-NANOSECONDS = 1_000_000_000  # [ns/s]
 _TOUCHING = 1e-6  # [m] closer than this a point has no direction to the frame
 
 
