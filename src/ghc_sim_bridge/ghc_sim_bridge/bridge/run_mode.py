@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
+from ghc_controller.safety.torque_gate import GatedTorque
 from ghc_controller.types import Array
-from ghc_sim_bridge.bridge.torque_gate import GatedTorque
 
 Outcome = Callable[[GatedTorque], None]  # told of every command that was applied
 

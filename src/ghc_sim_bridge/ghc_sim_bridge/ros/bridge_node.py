@@ -44,6 +44,7 @@ from ghc_controller.ros.qos import (
 )
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
 from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
 from ghc_sim_bridge.bridge.cycle import ControlCycle
@@ -53,7 +54,6 @@ from ghc_sim_bridge.bridge.patient_publishing import patient
 from ghc_sim_bridge.bridge.publisher import WORLD_FRAME, Observe, Publish, StatePublisher
 from ghc_sim_bridge.bridge.realtime_mode import RealtimeMode
 from ghc_sim_bridge.bridge.run_mode import RunMode
-from ghc_sim_bridge.bridge.torque_gate import GatedTorque, TorqueGate
 from ghc_sim_bridge.bridge.watchdog import Watchdog
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.ros.conversions import obstacles_message
