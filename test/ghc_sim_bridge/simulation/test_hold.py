@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ghc_controller.safety.braking import BRAKE_TIME, hold_torque
 from ghc_controller.types import Array
-from ghc_sim_bridge.simulation.hold import BRAKE_TIME, hold_torque
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 STATES = 20

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.limits import overridden
+from ghc_controller.safety.braking import hold_torque
 from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.scene.description import SceneDescription, load_scene
@@ -22,7 +23,6 @@ from ghc_sim_bridge.simulation.base_start import base_pose
 from ghc_sim_bridge.simulation.contact_sensors import ContactSensors
 from ghc_sim_bridge.simulation.coordinates import FixedBase, FloatingBase
 from ghc_sim_bridge.simulation.disturbances import Disturbances
-from ghc_sim_bridge.simulation.hold import hold_torque
 from ghc_sim_bridge.simulation.joint_map import JointMap
 from ghc_sim_bridge.simulation.mujoco_model import base_frame_of, build_model, joints_of
 from ghc_sim_bridge.simulation.standing_hold import standing_torque
