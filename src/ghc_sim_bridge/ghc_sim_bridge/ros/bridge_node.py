@@ -49,12 +49,11 @@ from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.diagnostics import EXPECTED, BridgeDiagnostics
-from ghc_sim_bridge.bridge.lockstep_mode import LockstepMode
+from ghc_sim_bridge.bridge.lockstep import LockstepMode
 from ghc_sim_bridge.bridge.patient_publishing import patient
 from ghc_sim_bridge.bridge.publisher import WORLD_FRAME, Observe, Publish, StatePublisher
-from ghc_sim_bridge.bridge.realtime_mode import RealtimeMode
+from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
-from ghc_sim_bridge.bridge.watchdog import Watchdog
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.parameters import BridgeParameters
