@@ -18,8 +18,9 @@ from rclpy.node import Node
 
 from ghc_controller.errors import GhcError
 from ghc_controller.robot.library import find_robot
+from ghc_controller.ros.qos import SCHEDULE_QOS
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.ros.conversions import SCHEDULE_QOS, schedule_message
+from ghc_mpc_constraints.ros.conversions import schedule_message
 from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 
 SCENE = Path(__file__).with_name("loop_scene.yaml")

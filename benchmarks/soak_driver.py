@@ -14,12 +14,8 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from ghc_controller.errors import GhcError
-from ghc_controller.ros.conversions.common import (
-    CONTROL_PUBLISHER_QOS,
-    nanoseconds_from_time,
-    time_from_nanoseconds,
-)
-from ghc_controller.ros.conversions.previews import PLAN_QOS
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PLAN_QOS
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 
 STEP_NS = 10_000_000  # [ns] T: ticks at 100 Hz
 CHANGE_EVERY = 10  # ticks

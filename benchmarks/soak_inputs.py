@@ -8,15 +8,11 @@ from ghc_msgs.msg import ContactSchedule as ContactScheduleMessage
 from rclpy.context import Context
 
 from benchmarks.soak_driver import CHANGE_EVERY, STEP_NS, Driver
-from ghc_controller.ros.conversions.common import time_from_nanoseconds
+from ghc_controller.ros.qos import SCHEDULE_QOS, SENSOR_PUBLISHER_QOS
+from ghc_controller.ros.time import time_from_nanoseconds
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
-from ghc_mpc_constraints.ros.conversions import (
-    SCHEDULE_QOS,
-    SENSOR_PUBLISHER_QOS,
-    measurement_message,
-    schedule_message,
-)
+from ghc_mpc_constraints.ros.conversions import measurement_message, schedule_message
 
 _COUNT = 4  # contacts or obstacles
 

@@ -18,12 +18,8 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from ghc_controller.robot.library import find_robot
-from ghc_controller.ros.conversions.common import (
-    CONTROL_PUBLISHER_QOS,
-    CONTROL_SUBSCRIBER_QOS,
-    nanoseconds_from_time,
-    time_from_nanoseconds,
-)
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 
 ROBOT = "kuka_lwr"
 DEADLINE = 90.0  # [s] wall

@@ -13,8 +13,9 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros.conversions.common import CONTROL_SUBSCRIBER_QOS, nanoseconds_from_time
 from ghc_controller.ros.conversions.states import base_from_bytes
+from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
 from ghc_sim_bridge.simulation.simulator import Simulator
 

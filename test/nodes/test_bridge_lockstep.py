@@ -13,9 +13,9 @@ from geometry_msgs.msg import WrenchStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros.conversions.common import nanoseconds_from_time
+from ghc_controller.ros.qos import CLOCK_QOS
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
-from ghc_sim_bridge.ros.conversions import CLOCK_QOS
 
 PLANE_SCENE = "kuka_lwr_plane"
 StartBridge = Callable[..., Any]

@@ -10,7 +10,7 @@ import pytest
 from bridge_client import BridgeClient
 from ghc_msgs.msg import ObstacleStateArray
 
-from ghc_controller.ros.conversions.common import nanoseconds_from_time
+from ghc_controller.ros.time import nanoseconds_from_time
 
 SCENE = """
 robot: kuka_lwr

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from bridge_client import ROBOT, BridgeClient, GravityModel, answer
 
-from ghc_controller.ros.conversions.common import nanoseconds_from_time
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
 from ghc_sim_bridge.run.processes import NodeProcess
 

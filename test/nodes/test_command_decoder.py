@@ -7,8 +7,8 @@ import pytest
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros.conversions.common import time_from_nanoseconds
 from ghc_controller.ros.conversions.states import read_joint_state
+from ghc_controller.ros.time import time_from_nanoseconds
 from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
 
 NAMES = [f"joint_{k}" for k in range(1, 8)]

@@ -14,11 +14,11 @@ from sensor_msgs.msg import JointState
 from ghc_controller.contacts import ForceBoundsPlan
 from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.previews.motion_plan import MotionPlan
-from ghc_controller.ros.conversions.common import time_from_seconds
 from ghc_controller.ros.conversions.previews import (
     force_bounds_from_message,
     obstacle_motion_from_message,
 )
+from ghc_controller.ros.time import time_from_seconds
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds as Generator
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule

@@ -19,14 +19,13 @@ from sensor_msgs.msg import JointState
 from ghc_controller.contacts import PlanStatus
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.ros.conversions.common import (
+from ghc_controller.ros.qos import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
+    PLAN_QOS,
     STREAM_QOS,
-    nanoseconds_from_time,
-    time_from_seconds,
 )
-from ghc_controller.ros.conversions.previews import PLAN_QOS
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 
 DEADLINE, PATIENCE = 90.0, 0.5  # [s] wall: for what must happen, for what must not
 FLOATING = """<robot name="hopper">

@@ -23,15 +23,14 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros.conversions.common import (
+from ghc_controller.ros.qos import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
     LATCHED_QOS,
     RELIABLE_QOS,
     STREAM_QOS,
-    nanoseconds_from_time,
-    time_from_seconds,
 )
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 
 JOINTS = [f"joint_{i}" for i in range(1, 8)]
 HOME = [0.1, -0.4, 0.1, 1.4, 0.1, -1.0, 0.1]

@@ -21,27 +21,23 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from ghc_controller.ros.conversions.common import (
-    CONTROL_PUBLISHER_QOS,
-    STREAM_QOS,
-    nanoseconds_from_time,
-    time_from_seconds,
-)
 from ghc_controller.ros.conversions.previews import (
-    PLAN_QOS,
     force_bounds_from_message,
     obstacle_motion_from_message,
 )
+from ghc_controller.ros.qos import (
+    CONTROL_PUBLISHER_QOS,
+    PLAN_QOS,
+    SCHEDULE_QOS,
+    SENSOR_PUBLISHER_QOS,
+    STREAM_QOS,
+)
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_mpc_constraints.force_bounds import contact_schedule
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds as Generator
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
-from ghc_mpc_constraints.ros.conversions import (
-    SCHEDULE_QOS,
-    SENSOR_PUBLISHER_QOS,
-    measurement_message,
-    schedule_message,
-)
+from ghc_mpc_constraints.ros.conversions import measurement_message, schedule_message
 
 DEADLINE = 90.0  # [s] wall, for anything that must happen
 STEP = 0.01  # [s]

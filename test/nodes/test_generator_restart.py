@@ -18,9 +18,10 @@ from rclpy.node import Node
 
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.ros.conversions.common import STREAM_QOS, nanoseconds_from_time
+from ghc_controller.ros.qos import SCHEDULE_QOS, STREAM_QOS
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule as Schedule
-from ghc_mpc_constraints.ros.conversions import SCHEDULE_QOS, schedule_message
+from ghc_mpc_constraints.ros.conversions import schedule_message
 
 DEADLINE = 90.0  # [s] wall, for anything that must happen
 RATE_LIMIT = 1000.0  # [Nm/s], at a control period of 1 ms: 1 Nm per period

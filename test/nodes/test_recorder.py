@@ -16,7 +16,8 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from ghc_controller.ros.conversions.common import CONTROL_PUBLISHER_QOS, time_from_nanoseconds
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS
+from ghc_controller.ros.time import time_from_nanoseconds
 from ghc_sim_bridge.ros.message_schema import message_schema
 from ghc_sim_bridge.ros.recorder_node import is_fast
 

@@ -14,12 +14,12 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.ros.conversions.common import nanoseconds_from_time, time_from_nanoseconds
 from ghc_controller.ros.conversions.states import (
     base_from_bytes,
     read_joint_state,
     wrench_from_bytes,
 )
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 from ghc_controller.ros.wire.cdr import read_stamp
 from ghc_controller.ros.wire.joint_state import (
     JointStateDecoder,

@@ -14,7 +14,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from ghc_controller.ros.conversions.common import RELIABLE_QOS
+from ghc_controller.ros.qos import RELIABLE_QOS
 
 RATE_LIMIT = 1000.0  # [Nm/s], at a control period of 1 ms: 1 Nm per period
 CONTROL_DT = 1e-3  # [s]

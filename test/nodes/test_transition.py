@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from ghc_msgs.msg import TransitionStatus
 
-from ghc_controller.ros.conversions.common import time_from_seconds
+from ghc_controller.ros.time import time_from_seconds
 from ghc_controller.ros.transition import main, status_line
 
 WAIT = 60.0  # [s] wall; a first start compiles the controller's kernels

@@ -24,7 +24,8 @@ from benchmarks.run import main
 from benchmarks.step_bench import REGIMES, VARIANTS
 from benchmarks.tables import loop_table
 from benchmarks.timed_controller import PARTS
-from ghc_controller.ros.conversions.common import STREAM_QOS, nanoseconds_from_time
+from ghc_controller.ros.qos import STREAM_QOS
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
     ContactForceBounds,
     ForceBoundSettings,

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+NANOSECONDS = 1_000_000_000  # [ns/s] stamps are counts of nanoseconds
+
 _NO_WRENCHES: Mapping[str, Array] = MappingProxyType({})
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_sim_bridge.bridge.lockstep import REPEAT_PERIOD, Due, Lockstep, PartnerMissing
-from ghc_sim_bridge.bridge.pacing import MAX_CATCH_UP, Pacer
 from ghc_sim_bridge.bridge.patient_publishing import patient
-from ghc_sim_bridge.bridge.torque_gate import TorqueGate
-from ghc_sim_bridge.bridge.watchdog import FRESH_COMMANDS_TO_RESUME, Watchdog
+from ghc_sim_bridge.bridge.realtime import FRESH_COMMANDS_TO_RESUME, MAX_CATCH_UP, Pacer, Watchdog
 from ghc_sim_bridge.recorder.decimation import Decimator
 from ghc_sim_bridge.recorder.timeline import PATIENCE_NS, RecordingTimeline
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ghc_controller.errors import ConfigurationError
+from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_sim_bridge.bridge.cycle import ControlCycle
-from ghc_sim_bridge.bridge.torque_gate import TorqueGate
 from ghc_sim_bridge.logs.full_rate_log import INITIAL_ROWS, FullRateLog, FullRateLogBuffer, Source
 from ghc_sim_bridge.simulation.simulator import Simulator
 

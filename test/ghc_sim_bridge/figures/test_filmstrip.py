@@ -6,20 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from robot_scenes import FLOATING_SCENES
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_sim_bridge.bridge.cycle import ControlCycle
-from ghc_sim_bridge.bridge.torque_gate import TorqueGate
 from ghc_sim_bridge.errors import RenderingUnavailable
 from ghc_sim_bridge.figures.filmstrip import log_filmstrip, write_filmstrip
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, FullRateLogBuffer
 from ghc_sim_bridge.simulation.rendering import GAP
 from ghc_sim_bridge.simulation.simulator import Simulator
 from ghc_sim_bridge.viewer.robot import RerunRobot
-
-Array = NDArray[np.float64]
 
 SIZE = (160, 200)
 

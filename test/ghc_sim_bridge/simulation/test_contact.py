@@ -7,12 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.simulation.simulator import Simulator
-
-Array = NDArray[np.float64]
 
 TOUCH = 0.30  # [m] height of the frame `tool` when its ball lies on the table
 

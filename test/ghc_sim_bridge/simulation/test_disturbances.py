@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ghc_controller.errors import UnknownName
+from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_sim_bridge.bridge.cycle import ControlCycle
-from ghc_sim_bridge.bridge.torque_gate import TorqueGate
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.simulator import Simulator
 

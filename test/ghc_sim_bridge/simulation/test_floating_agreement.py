@@ -7,15 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio
 import pytest
-from numpy.typing import NDArray
 from robot_scenes import FLOATING_SCENES
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 STATES = 30
 TOLERANCE = 1e-9
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module", params=FLOATING_SCENES)

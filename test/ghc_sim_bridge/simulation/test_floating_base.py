@@ -6,17 +6,15 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from robot_scenes import FLOATING_SCENES
 
 from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.safety.torque_gate import TorqueGate
+from ghc_controller.types import Array
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.publisher import StatePublisher
-from ghc_sim_bridge.bridge.torque_gate import TorqueGate
 from ghc_sim_bridge.simulation.simulator import Simulator
 from ghc_sim_bridge.simulation.standing_hold import StandingHold
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module", params=FLOATING_SCENES)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from ghc_sim_bridge.simulation.hold import BRAKE_TIME, hold_torque
+from ghc_controller.safety.braking import BRAKE_TIME, hold_torque
+from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.simulator import Simulator
-
-Array = NDArray[np.float64]
 
 STATES = 20
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
+from ghc_controller.types import Array
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.simulation.simulator import Simulator
 from ghc_sim_bridge.simulation.timing import count_substeps
-
-Array = NDArray[np.float64]
-
 
 FORWARD = np.array([0.0, -0.5, 0.0, 1.5, 0.0, -1.1, 0.0])  # [rad] bent, tool down
 

@@ -29,12 +29,6 @@ from std_msgs.msg import Float64MultiArray, Header
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
-from ghc_controller.ros.conversions.common import (
-    CONTROL_PUBLISHER_QOS,
-    CONTROL_SUBSCRIBER_QOS,
-    NANOSECONDS,
-)
-from ghc_controller.ros.conversions.previews import PLAN_QOS
 from ghc_controller.ros.conversions.states import (
     base_from_bytes,
     read_joint_state,
@@ -43,6 +37,7 @@ from ghc_controller.ros.conversions.states import (
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.previews import PLANS, PlanInbox
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS, PLAN_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.requests import RequestDesk
 from ghc_controller.ros.run import guarded, run_node
@@ -56,6 +51,7 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateValues,
 )
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.types import NANOSECONDS
 
 NODE_NAME = "controller"
 ODOMETRY = "odom"

@@ -13,13 +13,14 @@ from ghc_msgs.msg import ContactForceBounds, ObstacleStateArray
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, UnknownName
-from ghc_controller.ros.conversions.common import NANOSECONDS, nanoseconds_from_time
 from ghc_controller.ros.conversions.previews import (
     force_bounds_from_message,
     obstacle_motion_from_message,
 )
 from ghc_controller.ros.epoch import epoch_number
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_controller.schema.value_checks import shown
+from ghc_controller.types import NANOSECONDS
 
 FORCE_BOUNDS, OBSTACLE_MOTION = "contact_force_bounds", "obstacle_motion"
 PLANS: dict[str, type] = {FORCE_BOUNDS: ContactForceBounds, OBSTACLE_MOTION: ObstacleStateArray}

@@ -16,13 +16,13 @@ from rclpy.task import Future
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.hierarchy import TransitionEvent
-from ghc_controller.ros.conversions.common import RELIABLE_QOS
 from ghc_controller.ros.conversions.requests import (
     event_message,
     reference_from_message,
     status_message,
     transition_from_message,
 )
+from ghc_controller.ros.qos import RELIABLE_QOS
 from ghc_controller.ros.run import guarded
 
 

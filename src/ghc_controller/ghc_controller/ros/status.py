@@ -11,15 +11,12 @@ from rclpy.node import Node
 
 from ghc_controller.controller import Controller
 from ghc_controller.report.report import StepStatus
-from ghc_controller.ros.conversions.common import (
-    LATCHED_QOS,
-    NANOSECONDS,
-    STREAM_QOS,
-    diagnostics_message,
-)
+from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.conversions.previews import obstacle_message
 from ghc_controller.ros.conversions.status import controller_state_message, matrix_message
+from ghc_controller.ros.qos import LATCHED_QOS, STREAM_QOS
 from ghc_controller.ros.rejections import Rejections
+from ghc_controller.types import NANOSECONDS
 
 
 class Accounts:

@@ -25,19 +25,15 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from ghc_controller.hierarchy import Profile
-from ghc_controller.ros.conversions.common import (
-    LATCHED_QOS,
-    NANOSECONDS,
-    RELIABLE_QOS,
-    nanoseconds_from_time,
-    time_from_seconds,
-)
+from ghc_controller.ros.qos import LATCHED_QOS, RELIABLE_QOS
 from ghc_controller.ros.run import EXIT_FAILED, EXIT_REFUSED
 from ghc_controller.ros.stop_signals import (
     interrupt_on_stop_signals,
     raise_if_stopped,
     stop_was_asked,
 )
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
+from ghc_controller.types import NANOSECONDS
 
 NODE_NAME = "transition"
 _INTERRUPTED = 130

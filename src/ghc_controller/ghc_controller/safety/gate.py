@@ -8,11 +8,9 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ghc_controller.errors import InvalidValue
 from ghc_controller.safety.braking import braking_torque
+from ghc_controller.safety.torque_gate import COUNTED_EXCESS, TorqueGate
 from ghc_controller.types import Array, Dynamics
-
-COUNTED_EXCESS = 1e-6  # [Nm] a smaller excess is rounding of the QP: clipped, but not counted
 
 # Names of what the gate caught, as in OutputGate.counts.
 NOT_FINITE = "gate_not_finite"  # the torque had NaN or inf: held by braking instead
@@ -23,7 +21,7 @@ APPLIED_UNKNOWN = "gate_applied_unknown"  # the applied torque was not finite: r
 
 
 @dataclass(frozen=True, slots=True)
-class GatedTorque:
+class Output:
     """What may leave, and what the gate had to change."""
 
     torque: Array  # (a,) [Nm] fresh array
@@ -48,18 +46,14 @@ class OutputGate:
         Raises:
             InvalidValue: a limit that is not positive (the rate: negative or not finite).
         """
-        if not (torque_limit > 0.0).all():
-            raise InvalidValue(f"torque limit {torque_limit} given, positive numbers expected")
-        if not (np.isfinite(rate_limit) and rate_limit >= 0.0):
-            raise InvalidValue(f"torque rate limit {rate_limit} given, a number >= 0 expected")
-        self.torque_limit = torque_limit.copy()
-        self.step_limit = rate_limit * control_dt if rate_limit > 0.0 else np.inf  # [Nm]
+        self._gate = TorqueGate(torque_limit, rate_limit, control_dt)
+        self.torque_limit = self._gate.torque_limit
         names = (NOT_FINITE, TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN, APPLIED_UNKNOWN)
         self.counts = dict.fromkeys(names, 0)
 
     def apply(
         self, torque: Array, applied: Array | None, dynamics: Dynamics, velocity: Array
-    ) -> GatedTorque:
+    ) -> Output:
         """Torque that may leave.
 
         Args:
@@ -71,20 +65,15 @@ class OutputGate:
         if not _is_finite(torque):
             hits.append(NOT_FINITE)
             torque = self._hold(applied, dynamics, velocity)
-        previous, step = applied, self.step_limit
-        if previous is not None and not _is_finite(previous):
+        if applied is not None and not _is_finite(applied):
             hits.append(APPLIED_UNKNOWN)
-            previous = None
-        if previous is None:
-            previous, step = torque, np.inf  # nothing to measure the rate from
-        gated = np.empty(torque.shape)
-        excess = _clip(torque, previous, self.torque_limit, step, gated)
-        if max(excess) > COUNTED_EXCESS:
-            kinds = zip((TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN), excess, strict=True)
-            hits += [name for name, amount in kinds if amount > COUNTED_EXCESS]
+            applied = None
+        gated, excess = self._gate.clip(torque, applied)
+        kinds = zip((TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN), excess, strict=True)
+        hits += [name for name, amount in kinds if amount > COUNTED_EXCESS]
         for name in hits:
             self.counts[name] += 1
-        return GatedTorque(gated, tuple(hits))
+        return Output(gated, tuple(hits))
 
     def _hold(self, applied: Array | None, dynamics: Dynamics, velocity: Array) -> Array:
         """Braking torque; where even that is unknown, keep what was applied, else nothing."""
@@ -103,20 +92,3 @@ def _is_finite(values: Array) -> bool:
     for value in values:
         finite = finite and math.isfinite(value)
     return finite
-
-
-@numba.njit(cache=True)
-def _clip(
-    torque: Array, previous: Array, limit: Array, step: float, out: Array
-) -> tuple[float, float, float]:
-    """Clip to the rate, then to the limits; largest excess over limit, over rate, rate broken."""
-    over_limit, over_rate, broken = 0.0, 0.0, 0.0
-    for i in range(torque.shape[0]):
-        value = torque[i]
-        over_limit = max(over_limit, abs(value) - limit[i])
-        over_rate = max(over_rate, abs(value - previous[i]) - step)
-        value = min(max(value, previous[i] - step), previous[i] + step)
-        value = min(max(value, -limit[i]), limit[i])
-        broken = max(broken, abs(value - previous[i]) - step)
-        out[i] = value
-    return over_limit, over_rate, broken

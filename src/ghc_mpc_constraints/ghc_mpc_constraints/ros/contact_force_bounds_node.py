@@ -19,12 +19,11 @@ from ghc_msgs.msg import ContactSchedule
 from rclpy.task import Future
 
 from ghc_controller.errors import GhcError
-from ghc_controller.ros.conversions.common import NANOSECONDS
-from ghc_controller.ros.conversions.previews import PLAN_QOS
+from ghc_controller.ros.qos import PLAN_QOS, SCHEDULE_QOS
 from ghc_controller.ros.run import run_node
+from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds
 from ghc_mpc_constraints.ros.conversions import (
-    SCHEDULE_QOS,
     bounds_in_force,
     force_bounds_message,
     schedule_from_message,

@@ -13,34 +13,20 @@ from ghc_msgs.msg import (
     ObstacleState,
     ObstacleStateArray,
 )
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from ghc_controller.contacts import ForceBoundsPlan
 from ghc_controller.errors import InvalidValue
 from ghc_controller.previews.motion_plan import MotionPlan, state_at
-from ghc_controller.ros.conversions.common import (
-    NANOSECONDS,
-    doubles,
-    nanoseconds_from_time,
-    time_from_nanoseconds,
-    time_from_seconds,
-)
+from ghc_controller.ros.conversions.common import doubles
 from ghc_controller.ros.conversions.previews import motion_state
-from ghc_controller.types import Array
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds, time_from_seconds
+from ghc_controller.types import NANOSECONDS, Array
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule as Schedule
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.ros.schedule_inbox import TimedSchedule
 
-# One message a contact: as many are kept for a generator that starts later.
-SCHEDULE_QOS = QoSProfile(
-    depth=100,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
 LONGEST_GUESS = 0.1  # [s] over which motion in force is continued beyond what was heard
-SENSOR_PUBLISHER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-SENSOR_SUBSCRIBER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 def header_of(data: bytes) -> tuple[int, str]:

@@ -18,15 +18,12 @@ from rclpy.task import Future
 from std_msgs.msg import Header
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.ros.conversions.common import (
-    CONTROL_SUBSCRIBER_QOS,
-    NANOSECONDS,
-    STREAM_QOS,
-    diagnostics_message,
-)
+from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, STREAM_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded
+from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.ros.conversions import header_of
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
 from ghc_mpc_constraints.ros.tick_clock import Due, TickClock

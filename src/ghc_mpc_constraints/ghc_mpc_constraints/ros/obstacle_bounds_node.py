@@ -17,13 +17,13 @@ from ghc_msgs.msg import ObstacleStateArray
 from rclpy.task import Future
 
 from ghc_controller.errors import GhcError
-from ghc_controller.ros.conversions.common import NANOSECONDS, nanoseconds_from_time
-from ghc_controller.ros.conversions.previews import PLAN_QOS
+from ghc_controller.ros.qos import PLAN_QOS, SENSOR_SUBSCRIBER_QOS
 from ghc_controller.ros.run import run_node
+from ghc_controller.ros.time import nanoseconds_from_time
+from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds
 from ghc_mpc_constraints.ros.conversions import (
-    SENSOR_SUBSCRIBER_QOS,
     measurement_from_message,
     motion_in_force,
     obstacle_motion_message,

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.metrics import (
     LimitCheck,
     PhasedFigure,
@@ -24,8 +24,6 @@ from ghc_sim_bridge.analysis.rest import PhaseRest, moving_coordinates, rest_of_
 from ghc_sim_bridge.analysis.task_errors import RunHistory, gravity_torques, recompute_history
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scenario.plan import RunPlan
-
-Array = NDArray[np.float64]
 
 _SAMPLE_PERIOD = 0.01  # [s] between two rows at which the tasks are evaluated
 

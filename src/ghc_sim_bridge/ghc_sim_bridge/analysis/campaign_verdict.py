@@ -6,14 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ghc_sim_bridge.analysis.metrics import torque_jumps
+from ghc_sim_bridge.analysis.standing import NOT_FALLEN, base_tilt
 from ghc_sim_bridge.analysis.text_table import aligned
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
-
-LOWEST = 0.8  # [-] of the undisturbed height at the end: below it the robot has fallen
-LARGEST_TILT = 0.35  # [rad] of the base at the end, against the start's level
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,13 +42,12 @@ def judge(verdict: RunVerdict, log: FullRateLog, nominal_height: float) -> RunVe
     if log.base_pose is None or len(log.time) == 0:
         return replace(verdict, problem="no base in the log")
     height = float(log.base_pose[-1, 2])
-    x, y = log.base_pose[-1, 3:5]
-    tilt = math.acos(float(np.clip(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0)))
+    tilt = float(base_tilt(log.base_pose[-1:])[0])
     return replace(
         verdict,
-        stays_up=height >= LOWEST * nominal_height and tilt <= LARGEST_TILT,
+        stays_up=NOT_FALLEN.holds(height, tilt, nominal_height),
         height=height,
-        tilt=tilt,
+        tilt=math.radians(tilt),
         peak_torque_rate=float(torque_jumps(log.torque).max() / log.control_dt),
     )
 

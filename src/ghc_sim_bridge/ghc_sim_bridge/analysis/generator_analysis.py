@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.contacts.contact import contact_axes
 from ghc_controller.robot.library import find_robot
 from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.generator_metrics import (
     ForceFollowing,
@@ -23,8 +23,6 @@ from ghc_sim_bridge.analysis.generator_metrics import (
 from ghc_sim_bridge.analysis.obstacle_distance import DistanceHistory, obstacle_distance
 from ghc_sim_bridge.logs.constraint_series import ConstraintSeries
 from ghc_sim_bridge.scene.description import load_scene
-
-Array = NDArray[np.float64]
 
 CONSTRAINTS = "constraints.npz"
 _HORIZON = 0.1  # [s] of eq. 4.2, the controller's default

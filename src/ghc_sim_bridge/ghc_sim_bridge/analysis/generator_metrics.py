@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.metrics import peak_torque_rate
 from ghc_sim_bridge.logs.constraint_series import FORCE, LOWER, UPPER, ConstraintSeries
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scenario.schedules import Event
-
-Array = NDArray[np.float64]
 
 REACH = 2.0  # [s] of an event before and after it: longer than preview and reaction take
 _SAME_TIME = 1e-6  # [s]

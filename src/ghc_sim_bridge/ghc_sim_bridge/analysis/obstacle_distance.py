@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.types import NANOSECONDS, Array
 from ghc_sim_bridge.analysis.generator_metrics import largest
 from ghc_sim_bridge.logs.constraint_series import (
     ACCELERATION,
@@ -19,9 +19,7 @@ from ghc_sim_bridge.logs.constraint_series import (
 )
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scene.values import Obstacle
-from ghc_sim_bridge.simulation.obstacle_sensor import NANOSECONDS, position_at
-
-Array = NDArray[np.float64]
+from ghc_sim_bridge.simulation.obstacle_sensor import position_at
 
 INSIDE = 1e-3  # [m] closer than the safe distance by more than this counts
 _SAME_TIME = 1e-6  # [s]

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
-
-Array = NDArray[np.float64]
 
 REST_SPEED = 1e-3  # [rad/s], [m/s] of a base's position: what moves more is not at rest
 _WINDOW = 3.0  # [s] at the end of a phase, at most half of its hold

@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
-HEIGHT_SHARE = 0.1  # [-] of the height that it shall end at
-LARGEST_TILT = 10.0  # [deg]
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Where a base has to be for the robot to stand."""
+
+    lowest: float  # [-] share of the wanted height
+    highest: float  # [-]
+    largest_tilt: float  # [deg] between the base's z axis and the vertical
+
+    def holds(self, height: float, tilt: float, wanted: float) -> bool:
+        """Whether a base at `height` [m], tilted by `tilt` [deg], stands at `wanted` [m]."""
+        high_enough = self.lowest * wanted <= height <= self.highest * wanted
+        return high_enough and tilt <= self.largest_tilt
+
+
+AS_PLANNED = Standing(0.9, 1.1, 10.0)  # an undisturbed run ends where its scenario says
+NOT_FALLEN = Standing(0.8, math.inf, math.degrees(0.35))  # a disturbed one is still up
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +41,9 @@ class BaseMotion:
     tilt_largest: float  # [deg]
 
     def stands(self, height: float | None = None) -> bool:
-        """Whether it ends within a tenth of `height` [m] (of its start) and upright to 10 deg."""
+        """Whether it ends `AS_PLANNED` at `height` [m]; None = that of its start."""
         wanted = self.height_start if height is None else height
-        near = abs(self.height_end - wanted) <= HEIGHT_SHARE * wanted
-        return near and self.tilt_end < LARGEST_TILT
+        return AS_PLANNED.holds(self.height_end, self.tilt_end, wanted)
 
 
 def base_motion(pose: Array) -> BaseMotion:

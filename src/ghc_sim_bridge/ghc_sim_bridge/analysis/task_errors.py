@@ -16,11 +16,9 @@ from ghc_controller.robot.robot import RobotConfig
 from ghc_controller.tasks.frame_position import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import RobotState, TaskTarget
+from ghc_controller.types import Array, RobotState, TaskTarget
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import GhcError
 from ghc_controller.ros.wire.joint_state import (
@@ -14,8 +13,7 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateFields,
     JointStateValues,
 )
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 
 class CommandRejected(GhcError):

@@ -9,18 +9,13 @@ import time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ghc_controller.types import RobotState
-from ghc_sim_bridge.bridge.torque_gate import GatedTorque, TorqueGate
+from ghc_controller.safety.braking import hold_torque
+from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
+from ghc_controller.types import NANOSECONDS, Array, RobotState
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer, Source
-from ghc_sim_bridge.simulation.hold import hold_torque
 from ghc_sim_bridge.simulation.simulator import Simulator
 from ghc_sim_bridge.simulation.standing_hold import StandingHold
-
-Array = NDArray[np.float64]
-
-NANOSECONDS = 1_000_000_000  # [ns/s]
 
 
 class BaseState(NamedTuple):

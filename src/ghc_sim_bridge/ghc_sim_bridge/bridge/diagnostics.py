@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ghc_controller.ros.rejections import Rejections
-from ghc_sim_bridge.bridge.cycle import NANOSECONDS, ControlCycle
+from ghc_controller.types import NANOSECONDS
+from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.run_mode import RunMode
 
 # Part of normal operation (answers to repeats, late answers while paused): counted, but nothing

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from ghc_controller.safety.torque_gate import GatedTorque
+from ghc_controller.types import Array
 
-from ghc_sim_bridge.bridge.torque_gate import GatedTorque
-
-Array = NDArray[np.float64]
 Outcome = Callable[[GatedTorque], None]  # told of every command that was applied
 
 

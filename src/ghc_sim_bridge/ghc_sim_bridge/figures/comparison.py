@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.metrics import jerk_steps
 from ghc_sim_bridge.figures.style import colour, new_figure, short_hierarchy, styled
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 
 Summary = Mapping[str, Any]
-Array = NDArray[np.float64]
 
 _SMALLEST_JERK = 10.0  # [rad/s^2] lower end of the logarithmic axis
 

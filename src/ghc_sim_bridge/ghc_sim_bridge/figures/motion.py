@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.metrics import jerk_steps, torque_jumps
 from ghc_sim_bridge.figures.style import (
@@ -17,8 +17,6 @@ from ghc_sim_bridge.figures.style import (
     new_figure,
     run_title,
 )
-
-Array = NDArray[np.float64]
 
 _NAMED_JOINTS = 7  # in the legend of a figure
 

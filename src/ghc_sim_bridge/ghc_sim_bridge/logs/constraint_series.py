@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 _CONTACT, _OBSTACLE = "contact_", "obstacle_"
 _CONTACT_COLUMNS, _OBSTACLE_COLUMNS = 3, 13

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
-
-Array = NDArray[np.float64]
 
 CARRIES = 5.0  # [N] of normal force: below it the simulated share of friction says little
 _SAME_TIME = 1e-6  # [s]

@@ -11,11 +11,9 @@ import numpy as np
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError
-
-Array = NDArray[np.float64]
+from ghc_controller.types import NANOSECONDS, Array
 
 SCHEMA = "ghc_msgs/msg/ControllerState"
 
@@ -78,5 +76,5 @@ def _reports(reader: Any) -> dict[int, Any]:
         return reports
     for _, _, _, report in reader.iter_decoded_messages(topics=topics[:1]):
         stamp = report.header.stamp
-        reports.setdefault(stamp.sec * 1_000_000_000 + stamp.nanosec, report)
+        reports.setdefault(stamp.sec * NANOSECONDS + stamp.nanosec, report)
     return dict(sorted(reports.items()))

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 INITIAL_ROWS = 1 << 14  # doubled when full, so that a cycle rarely pays for growing
 WRENCH_PREFIX = "wrench_"

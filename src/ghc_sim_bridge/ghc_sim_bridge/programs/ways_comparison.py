@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import UnknownName
 from ghc_sim_bridge.analysis.analysis import analyse_folder
@@ -28,8 +27,6 @@ from ghc_sim_bridge.figures.ways import ways_figure
 from ghc_sim_bridge.logs.constraint_series import ConstraintSeries
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scenario.plan import RunPlan
-
-Array = NDArray[np.float64]
 
 WAYS = "ways"
 

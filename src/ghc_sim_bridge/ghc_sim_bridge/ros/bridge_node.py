@@ -33,27 +33,29 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
-from ghc_controller.ros.conversions.common import (
-    CONTROL_PUBLISHER_QOS,
-    CONTROL_SUBSCRIBER_QOS,
-    diagnostics_message,
-)
+from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.conversions.states import read_joint_state
 from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.qos import (
+    CLOCK_QOS,
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    LOSSLESS_PUBLISHER_QOS,
+)
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
+from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
-from ghc_sim_bridge.bridge.cycle import NANOSECONDS, ControlCycle
+from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.diagnostics import EXPECTED, BridgeDiagnostics
-from ghc_sim_bridge.bridge.lockstep_mode import LockstepMode
+from ghc_sim_bridge.bridge.lockstep import LockstepMode
 from ghc_sim_bridge.bridge.patient_publishing import patient
 from ghc_sim_bridge.bridge.publisher import WORLD_FRAME, Observe, Publish, StatePublisher
-from ghc_sim_bridge.bridge.realtime_mode import RealtimeMode
+from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
-from ghc_sim_bridge.bridge.torque_gate import GatedTorque, TorqueGate
-from ghc_sim_bridge.bridge.watchdog import Watchdog
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
-from ghc_sim_bridge.ros.conversions import CLOCK_QOS, LOSSLESS_PUBLISHER_QOS, obstacles_message
+from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.parameters import BridgeParameters
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleSensor

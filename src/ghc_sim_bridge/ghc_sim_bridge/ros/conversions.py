@@ -1,4 +1,4 @@
-"""Between ROS messages and the bridge's values; quality of service of its topics."""
+"""Between ROS messages and the bridge's values."""
 
 from __future__ import annotations
 
@@ -7,46 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from ghc_msgs.msg import ObstacleState, ObstacleStateArray
 from nav_msgs.msg import Odometry
-from numpy.typing import NDArray
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from ghc_controller.ros.conversions.common import time_from_nanoseconds
+from ghc_controller.ros.time import time_from_nanoseconds
+from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleReading
-
-Array = NDArray[np.float64]
-
-# With every message kept until each reliable reader has it, publishing waits for a slow recorder.
-LOSSLESS_PUBLISHER_QOS = QoSProfile(
-    history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE
-)
-CLOCK_QOS = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
-
-
-# Deep enough for whatever a node says at once; slow topics hold few messages anyway.
-RECORDING_DEPTH = 1000  # [-]
-
-
-def recording_qos(offered: Sequence[QoSProfile], lossless: bool) -> QoSProfile:
-    """Quality of service that matches every one of the `offered` ones.
-
-    Latched messages are asked for only where all publishers keep them; reliability likewise, and
-    only if `lossless`: acknowledging each message of a fast topic costs its publisher time.
-    """
-    reliable = all(o.reliability == ReliabilityPolicy.RELIABLE for o in offered)
-    latched = all(o.durability == DurabilityPolicy.TRANSIENT_LOCAL for o in offered)
-    best_effort = not (lossless and reliable)
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST if best_effort else HistoryPolicy.KEEP_ALL,
-        depth=RECORDING_DEPTH,
-        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
 
 
 def pose_of(data: bytes) -> Array:

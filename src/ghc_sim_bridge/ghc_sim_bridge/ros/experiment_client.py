@@ -14,19 +14,25 @@ from ghc_msgs.msg import (
 )
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool
 
 from ghc_controller.errors import GhcError
+from ghc_controller.ros.qos import (
+    CONTROL_SUBSCRIBER_QOS,
+    LATCHED_QOS,
+    RELIABLE_QOS,
+    SCHEDULE_QOS,
+    TRACE_QOS,
+)
+from ghc_controller.ros.time import seconds_from_time
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 from ghc_sim_bridge.ros.experiment_conversions import (
     ScriptedTransition,
     reference_message,
     schedule_message,
-    to_seconds,
     transition_message,
 )
 from ghc_sim_bridge.scenario.references import Reference
@@ -39,21 +45,6 @@ REFERENCE_TOPIC = "ghc/task_reference"
 TRANSITION_TOPIC = "ghc/priority_transition"
 SCHEDULE_TOPIC = "constraints/contact_schedule"
 OBSTACLE_TOPIC = "constraints/obstacles"
-
-_LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-_STREAM = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-_RELIABLE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
-_LATCHED = QoSProfile(
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
-# One message a contact: as many are kept for a generator that starts later.
-_LATCHED_STREAM = QoSProfile(
-    depth=100,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
 
 
 class TransitionRejected(GhcError):
@@ -73,27 +64,34 @@ class ExperimentClient(Node):
         self.diagnostics: dict[str, dict[str, str]] = {}  # node -> its latest values
         self.planned_contacts: set[str] = set()  # of the plans seen before time runs
         self._states: Subscription | None = None
-        self._schedules = self.create_publisher(ContactSchedule, SCHEDULE_TOPIC, _LATCHED_STREAM)
-        self._references = self.create_publisher(TaskReference, REFERENCE_TOPIC, _RELIABLE)
-        self._transitions = self.create_publisher(PriorityTransition, TRANSITION_TOPIC, _RELIABLE)
+        self._schedules = self.create_publisher(ContactSchedule, SCHEDULE_TOPIC, SCHEDULE_QOS)
+        self._references = self.create_publisher(TaskReference, REFERENCE_TOPIC, RELIABLE_QOS)
+        self._transitions = self.create_publisher(
+            PriorityTransition, TRANSITION_TOPIC, RELIABLE_QOS
+        )
         self._pause = self.create_client(SetBool, "sim_bridge/pause")
         self.create_subscription(
-            TransitionStatus, "ghc/transition_status", self._on_status, _RELIABLE
+            TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
         )
         self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
         self._plans = self.create_subscription(
-            ContactForceBounds, "constraints/contact_force_bounds", self._on_plan, _LATEST
+            ContactForceBounds,
+            "constraints/contact_force_bounds",
+            self._on_plan,
+            CONTROL_SUBSCRIBER_QOS,
         )
         self._matrices = self.create_subscription(
-            PriorityMatrix, "ghc/priority_matrix", self._on_matrix, _LATCHED
+            PriorityMatrix, "ghc/priority_matrix", self._on_matrix, LATCHED_QOS
         )
-        self.create_subscription(ControllerState, REPORT_TOPIC, self._on_controller_state, _STREAM)
+        self.create_subscription(
+            ControllerState, REPORT_TOPIC, self._on_controller_state, TRACE_QOS
+        )
 
     def watch_states(self, watch: bool) -> None:
         """Read the joint states or stop doing so: at 1 kHz reading them is not free."""
         if watch and self._states is None:
             self._states = self.create_subscription(
-                JointState, STATE_TOPIC, self._on_state, _LATEST
+                JointState, STATE_TOPIC, self._on_state, CONTROL_SUBSCRIBER_QOS
             )
         elif not watch and self._states is not None:
             self.destroy_subscription(self._states)
@@ -164,11 +162,11 @@ class ExperimentClient(Node):
         self.controller_spoke = True
 
     def _on_state(self, message: JointState) -> None:
-        self.state_time = to_seconds(message.header.stamp)
+        self.state_time = seconds_from_time(message.header.stamp)
 
     def _on_controller_state(self, message: ControllerState) -> None:
         trace = self.trace
-        time = to_seconds(message.header.stamp)
+        time = seconds_from_time(message.header.stamp)
         if trace.time and time <= trace.time[-1]:
             return
         trace.tasks = tuple(task.name for task in message.tasks)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from builtin_interfaces.msg import Duration, Time
 from ghc_msgs.msg import ContactSchedule, PriorityTransition, TaskReference, TaskReferencePoint
 
+from ghc_controller.ros.time import time_from_seconds
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
 from ghc_sim_bridge.scenario.scenario import PriorityTable
 from ghc_sim_bridge.scenario.schedules import ScriptedSchedule
@@ -36,7 +37,7 @@ def reference_message(reference: Reference, duration: float) -> TaskReference:
 def transition_message(transition: ScriptedTransition) -> PriorityTransition:
     """A transition with its simulated start."""
     message = PriorityTransition()
-    message.header.stamp = to_stamp(transition.start)
+    message.header.stamp = time_from_seconds(transition.start)
     message.id = transition.id
     message.duration = transition.duration
     message.torque_rate = transition.torque_rate
@@ -52,25 +53,14 @@ def schedule_message(schedule: ScriptedSchedule) -> ContactSchedule:
     """What one contact may carry, at simulated times."""
     message = ContactSchedule(contact=schedule.contact)
     message.header.stamp = Time(nanosec=1)  # as good as zero, which would mean: on receipt
-    message.known_from = to_stamp(schedule.known_from)
+    message.known_from = time_from_seconds(schedule.known_from)
     message.times = list(schedule.times)
     message.lower, message.upper = list(schedule.lower), list(schedule.upper)
     return message
 
 
-def to_stamp(seconds: float) -> Time:
-    """Time message of simulated seconds, exact to a nanosecond."""
-    nanoseconds = round(seconds * 1e9)
-    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
-
-
-def to_seconds(stamp: Time) -> float:
-    """Simulated seconds of a time message."""
-    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
-
-
 def _point(point: ReferencePoint) -> TaskReferencePoint:
-    stamp = to_stamp(point.time)
+    stamp = time_from_seconds(point.time)
     return TaskReferencePoint(
         time_from_start=Duration(sec=stamp.sec, nanosec=stamp.nanosec),
         position=list(point.position),

@@ -24,12 +24,13 @@ from rclpy.task import Future
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.qos import recording_qos
 from ghc_controller.ros.run import guarded, run_node
 from ghc_controller.ros.wire.cdr import read_stamp
+from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.recorder.decimation import Decimator
 from ghc_sim_bridge.recorder.mcap_recording import McapRecording
 from ghc_sim_bridge.recorder.timeline import RecordingTimeline
-from ghc_sim_bridge.ros.conversions import recording_qos
 from ghc_sim_bridge.ros.message_schema import message_schema
 from ghc_sim_bridge.ros.parameters import RecorderParameters
 
@@ -44,7 +45,6 @@ CLOCK_TOPIC = "/clock"
 FAST_NAMES = frozenset({"joint_states", "joint_commands", "clock", "odom", "controller_state"})
 FAST_FOLDERS = frozenset({"contacts"})
 Receive = Callable[[bytes], None]
-NANOSECONDS = 1_000_000_000  # [ns/s]
 
 
 def is_fast(topic: str) -> bool:

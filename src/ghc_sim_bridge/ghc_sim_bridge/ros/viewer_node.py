@@ -20,8 +20,8 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
 from ghc_controller.robot.library import find_robot
-from ghc_controller.ros.conversions.common import CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.run import guarded, run_node
 from ghc_controller.ros.wire.cdr import read_stamp
 from ghc_sim_bridge.ros.conversions import pose_of

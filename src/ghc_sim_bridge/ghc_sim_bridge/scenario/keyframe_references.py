@@ -9,21 +9,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import RobotConfig, load_robot_config
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import RobotState
+from ghc_controller.types import Array, RobotState
 from ghc_sim_bridge.scenario.keyframes import JointMotion, Keyframes, joint_motion
 from ghc_sim_bridge.scenario.posture_motion import configuration
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
 from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.scene.values import SceneDescription
-
-Array = NDArray[np.float64]
 
 _BASE = 6  # velocity coordinates of a floating base
 _SLIP = 1e-3  # [m] that the other frames of `stand_on` may move as seen from the first one

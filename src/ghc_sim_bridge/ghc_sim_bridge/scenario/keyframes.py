@@ -10,12 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.schema.reader import Fields
+from ghc_controller.types import Array
 from ghc_sim_bridge.scenario.posture_motion import minimum_jerk
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

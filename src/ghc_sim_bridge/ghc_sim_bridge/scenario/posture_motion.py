@@ -11,14 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.types import Array
 from ghc_sim_bridge.scene.values import BaseStart
 from ghc_sim_bridge.simulation.base_start import base_pose
-
-Array = NDArray[np.float64]
 
 _AT_ORIGIN = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 

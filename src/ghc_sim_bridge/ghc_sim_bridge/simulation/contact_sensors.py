@@ -6,12 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.scene.values import Contact
 from ghc_sim_bridge.simulation.mujoco_model import contact_geom_names
-
-Array = NDArray[np.float64]
 
 
 class ContactSensors:

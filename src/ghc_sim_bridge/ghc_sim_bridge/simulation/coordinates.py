@@ -14,15 +14,15 @@ dT/dt v_sim = [-w x (R^T dp/dt), 0, 0].
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.numerics.rotation import matrix_from_quaternion
+from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.joint_map import JointMap
-
-Array = NDArray[np.float64]
 
 QUATERNION_TOLERANCE = 1e-6  # [-] of its norm
 _BASE_NQ, _BASE_NV = 7, 6
+_XYZW = np.array([4, 5, 6, 3])  # of the quaternion in a configuration of the simulator
 
 
 class FixedBase:
@@ -122,11 +122,4 @@ class FloatingBase(FixedBase):
 
 def rotation(qpos: Array) -> Array:
     """(3, 3) of the base, from the simulator's configuration."""
-    w, x, y, z = qpos[3:7]
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return np.asarray(matrix_from_quaternion(qpos[_XYZW]))

@@ -10,11 +10,9 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import UnknownName
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True)

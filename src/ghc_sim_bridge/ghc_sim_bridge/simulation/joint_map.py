@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError, WrongSize
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 
 class JointMap:

@@ -6,14 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.types import NANOSECONDS, Array
 from ghc_sim_bridge.scene.values import Obstacle, Vector
 
-Array = NDArray[np.float64]
-
-NANOSECONDS = 1_000_000_000  # [ns/s]
 _TOUCHING = 1e-6  # [m] closer than this a point has no direction to the frame
 
 

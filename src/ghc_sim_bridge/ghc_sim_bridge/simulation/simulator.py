@@ -11,25 +11,23 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.limits import overridden
-from ghc_controller.types import Dynamics, RobotState
+from ghc_controller.safety.braking import hold_torque
+from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.scene.description import SceneDescription, load_scene
 from ghc_sim_bridge.simulation.base_start import base_pose
 from ghc_sim_bridge.simulation.contact_sensors import ContactSensors
 from ghc_sim_bridge.simulation.coordinates import FixedBase, FloatingBase
 from ghc_sim_bridge.simulation.disturbances import Disturbances
-from ghc_sim_bridge.simulation.hold import hold_torque
 from ghc_sim_bridge.simulation.joint_map import JointMap
 from ghc_sim_bridge.simulation.mujoco_model import base_frame_of, build_model, joints_of
 from ghc_sim_bridge.simulation.standing_hold import standing_torque
 from ghc_sim_bridge.simulation.timing import count_substeps
 from ghc_sim_bridge.simulation.urdf_limits import read_limits
-
-Array = NDArray[np.float64]
 
 LARGEST_SPEED = 1e3  # [rad/s] beyond it a state is diverged, not fast
 LARGEST_TORQUE = 1e6  # [Nm] beyond it a torque is a mistake, not a command

@@ -10,11 +10,8 @@ gains act on accelerations and not on torques: light joints and heavy ones slow 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ghc_controller.types import Dynamics
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array, Dynamics
 
 STIFFNESS, DAMPING = 100.0, 20.0  # [1/s^2], [1/s] of the held posture
 CONTACT_DAMPING = 20.0  # [1/s] of a touching point that still moves

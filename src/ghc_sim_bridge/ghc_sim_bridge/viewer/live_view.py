@@ -9,6 +9,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.scene.description import SceneDescription
 from ghc_sim_bridge.viewer.layout import (
     ALPHA,
@@ -23,8 +24,6 @@ from ghc_sim_bridge.viewer.layout import (
     log_surroundings,
 )
 from ghc_sim_bridge.viewer.robot import RerunRobot
-
-Array = NDArray[np.float64]
 
 TARGET_RADIUS = 0.018  # [m]
 

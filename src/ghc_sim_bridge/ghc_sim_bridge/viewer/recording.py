@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from ghc_controller.schema.reader import read_yaml
+from ghc_controller.types import Array
 from ghc_sim_bridge.logs.controller_series import ControllerSeries
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scene.description import SceneDescription
@@ -28,8 +28,6 @@ from ghc_sim_bridge.viewer.layout import (
     new_recording,
 )
 from ghc_sim_bridge.viewer.robot import RerunRobot
-
-Array = NDArray[np.float64]
 
 POSE_RATE = 50.0  # [Hz] of simulated time, for what moves in 3D
 PLOT_RATE = 250.0  # [Hz] of simulated time, for torques and their rates

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import rerun as rr
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 ROBOT_PATH = "world/robot"
 

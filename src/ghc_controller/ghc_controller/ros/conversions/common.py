@@ -1,4 +1,4 @@
-"""What all conversions share: quality of service, stamps, numbers, diagnostics."""
+"""What all conversions share: numbers and diagnostics."""
 
 from __future__ import annotations
 
@@ -6,45 +6,15 @@ from array import array
 from collections.abc import Mapping
 
 import numpy as np
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from ghc_controller.ros.wire.cdr import NANOSECONDS
+from ghc_controller.ros.time import time_from_nanoseconds
 from ghc_controller.types import Array
-
-# Reliable on the publisher so that every reader matches; best effort on the control path, where
-# a message that is late is worth less than the next one.
-CONTROL_PUBLISHER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-CONTROL_SUBSCRIBER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-RELIABLE_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
-LATCHED_QOS = QoSProfile(
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
-STREAM_QOS = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-
-
-def time_from_nanoseconds(stamp_ns: int) -> Time:
-    """Stamp [ns] as a message."""
-    seconds, nanoseconds = divmod(stamp_ns, NANOSECONDS)
-    return Time(sec=seconds, nanosec=nanoseconds)
-
-
-def nanoseconds_from_time(stamp: Time) -> int:
-    """Stamp of a message in [ns]."""
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
 
 
 def doubles(values: Array) -> array[float]:
     """Entries in row-major order, as a message takes them without a look at each."""
     return array("d", np.ascontiguousarray(values, dtype=np.float64).tobytes())
-
-
-def time_from_seconds(seconds: float) -> Time:
-    """Time [s] as a message, to the nearest nanosecond."""
-    return time_from_nanoseconds(round(seconds * NANOSECONDS))
 
 
 def diagnostics_message(

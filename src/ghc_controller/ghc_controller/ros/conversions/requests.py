@@ -22,13 +22,9 @@ from ghc_controller.hierarchy import (
 )
 from ghc_controller.references.follower import Follower
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.ros.conversions.common import (
-    nanoseconds_from_time,
-    time_from_seconds,
-)
-from ghc_controller.ros.wire.cdr import NANOSECONDS
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_controller.tasks.posture import PostureTask
-from ghc_controller.types import Array
+from ghc_controller.types import NANOSECONDS, Array
 
 
 def transition_from_message(

@@ -15,10 +15,8 @@ from ghc_msgs.msg import (
 from ghc_controller.hierarchy import PriorityMatrix as TargetMatrix
 from ghc_controller.hierarchy import TransitionSchedule, format_hierarchy
 from ghc_controller.report.report import Report
-from ghc_controller.ros.conversions.common import (
-    doubles,
-    time_from_seconds,
-)
+from ghc_controller.ros.conversions.common import doubles
+from ghc_controller.ros.time import time_from_seconds
 
 
 def matrix_message(priorities: TransitionSchedule, time: float) -> PriorityMatrix:

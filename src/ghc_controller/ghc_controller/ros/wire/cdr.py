@@ -11,11 +11,10 @@ import sys
 
 import numpy as np
 
-from ghc_controller.types import Array
+from ghc_controller.types import NANOSECONDS, Array
 
 ENCAPSULATION_SIZE = 4  # [bytes]
 STAMP_END = ENCAPSULATION_SIZE + 8  # [bytes] sec (int32) and nanosec (uint32) stand before it
-NANOSECONDS = 1_000_000_000  # [ns/s]
 BYTE_ORDER = b"\x00\x01" if sys.byteorder == "little" else b"\x00\x00"
 ENCAPSULATION = BYTE_ORDER + b"\x00\x00"  # the options behind the byte order mean nothing here
 

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ghc_controller.ros.wire.cdr import NANOSECONDS, CdrBody, number_view, read_stamp, write_stamp
-from ghc_controller.types import Array
+from ghc_controller.ros.wire.cdr import CdrBody, number_view, read_stamp, write_stamp
+from ghc_controller.types import NANOSECONDS, Array
 
 
 class JointStateFields(Protocol):

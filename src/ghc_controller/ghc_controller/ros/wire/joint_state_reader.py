@@ -9,9 +9,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.ros.wire.cdr import NANOSECONDS
 from ghc_controller.ros.wire.joint_state import JointStateValues
-from ghc_controller.types import Array, RobotState
+from ghc_controller.types import NANOSECONDS, Array, RobotState
 
 
 class JointStateReader:

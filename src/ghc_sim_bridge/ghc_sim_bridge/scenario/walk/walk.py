@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ghc_controller.types import Array
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint, Vector
 from ghc_sim_bridge.scenario.schedules import Event, ScriptedSchedule
 from ghc_sim_bridge.scenario.walk.zmp_preview import ZmpPreview
-
-Array = NDArray[np.float64]
 
 PREVIEW_STEP = 0.01  # [s]
 PATH_SAMPLES = 2  # preview steps between two points of the reference: quintics in between

@@ -16,12 +16,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import solve_discrete_are
 
 from ghc_controller.errors import InvalidValue
-
-Array = NDArray[np.float64]
+from ghc_controller.types import Array
 
 GRAVITY = 9.81  # [m/s^2]
 

@@ -1,0 +1,95 @@
+"""Torque limits and torque rate limit: the one gate of controller and bridge."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from ghc_controller.errors import InvalidValue
+from ghc_controller.types import Array
+
+COUNTED_EXCESS = 1e-6  # [Nm] a smaller excess is rounding of the QP: clipped, but not counted
+
+
+class GatedTorque(NamedTuple):
+    """A torque inside the limits, and which limits it had to be brought inside of."""
+
+    torque: Array  # (n,) [Nm] fresh array
+    limit_hit: bool
+    rate_hit: bool
+
+
+class Excess(NamedTuple):
+    """By how much a torque was outside [Nm], largest over the joints; 0 or less: it was not."""
+
+    limit: float
+    rate: float  # of the change in one control period
+    rate_broken: float  # of the change that the torque limits alone demand
+
+
+class TorqueGate:
+    """Clips torques to `torque_limit` and their change per control period to rate * control_dt.
+
+    The rate is clipped first: where both cannot hold, the torque limit wins.
+    """
+
+    def __init__(self, torque_limit: Array, torque_rate_limit: float, control_dt: float) -> None:
+        """Set up the gate.
+
+        Args:
+            torque_limit: (n,) [Nm] > 0, inf where there is none.
+            torque_rate_limit: [Nm/s]; 0 switches the rate check off.
+            control_dt: [s] control period.
+
+        Raises:
+            InvalidValue: a limit that is not positive (the rate: negative or not finite).
+        """
+        if not (torque_limit > 0.0).all():
+            raise InvalidValue(f"torque limit {torque_limit} given, positive numbers expected")
+        if not (np.isfinite(torque_rate_limit) and torque_rate_limit >= 0.0):
+            raise InvalidValue(
+                f"torque rate limit {torque_rate_limit} given, a number >= 0 expected"
+            )
+        self.torque_limit = torque_limit.copy()
+        self.torque_step_limit = (
+            torque_rate_limit * control_dt if torque_rate_limit > 0.0 else np.inf
+        )  # [Nm] per control period
+        # The kernel is compiled for arrays like these; others, read-only ones too, are copied.
+        self._wanted, self._previous = np.zeros(torque_limit.shape), np.zeros(torque_limit.shape)
+        self(self._wanted, self._previous)  # loads the kernel before time runs
+
+    def __call__(self, torque: Array, previous: Array | None) -> GatedTorque:
+        """Torque to apply (n,) [Nm] after `previous` (n,) [Nm] was applied in the last period.
+
+        Without `previous` there is nothing to measure the rate from.
+        """
+        gated, excess = self.clip(torque, previous)
+        return GatedTorque(gated, excess.limit > COUNTED_EXCESS, excess.rate > COUNTED_EXCESS)
+
+    def clip(self, torque: Array, previous: Array | None) -> tuple[Array, Excess]:
+        """As a call, with what was in excess."""
+        self._wanted[:] = torque
+        step = np.inf if previous is None else self.torque_step_limit
+        self._previous[:] = torque if previous is None else previous
+        gated = np.empty(self._wanted.shape)
+        excess = _clip(self._wanted, self._previous, self.torque_limit, step, gated)
+        return gated, Excess(*excess)
+
+
+@numba.njit(cache=True)
+def _clip(
+    torque: Array, previous: Array, limit: Array, step: float, out: Array
+) -> tuple[float, float, float]:
+    """Clip to the rate, then to the limits; largest excess over limit, over rate, rate broken."""
+    over_limit, over_rate, broken = 0.0, 0.0, 0.0
+    for i in range(torque.shape[0]):
+        value = torque[i]
+        over_limit = max(over_limit, abs(value) - limit[i])
+        over_rate = max(over_rate, abs(value - previous[i]) - step)
+        value = min(max(value, previous[i] - step), previous[i] + step)
+        value = min(max(value, -limit[i]), limit[i])
+        broken = max(broken, abs(value - previous[i]) - step)
+        out[i] = value
+    return over_limit, over_rate, broken
