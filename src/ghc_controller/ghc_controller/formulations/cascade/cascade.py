@@ -24,6 +24,11 @@ from ghc_controller.formulations.cascade.level_answers import (
     reduced_acceleration,
     rows_of,
 )
+from ghc_controller.formulations.cascade.torque_rate import (
+    limits_rate,
+    within_rate,
+    without_rate,
+)
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order, levels
@@ -49,7 +54,8 @@ class Cascade(Formulation):
     Level l: min |J_l (y + P u) - b_l|^2 + w_l |u|^2 subject to every bound, from y = -kd v on.
     Where its optimum without bounds meets them all no QP is solved. Forces are centered on what
     the accelerations of the level need. Each candidate of a mixture of orders is answered by
-    itself and the answers are blended; a matrix that is no order is answered by `balanced`.
+    itself and the answers are blended; a matrix that is no order is answered by `balanced`. The
+    torque rate limit is met once, by the blend (`torque_rate`).
     """
 
     name = "cascade"
@@ -61,12 +67,19 @@ class Cascade(Formulation):
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
-        contact_free, forces = balanced_contacts(reduce_contacts(problem))
+        limited = limits_rate(problem)
+        free = without_rate(problem) if limited else problem
+        contact_free, forces = balanced_contacts(reduce_contacts(free))
         candidates, answers = problem.priorities.candidates, []
         for index, candidate in enumerate(candidates):
-            self.solver.begin_part(len(candidates) - index)  # none takes the pivots of another
+            # None takes the pivots of another, or those of the torque rate limit.
+            self.solver.begin_part(len(candidates) - index + limited)
             answers.append(self._answer(contact_free, forces, candidate.alpha))
-        return blend(answers, problem.priorities)
+        answer = blend(answers, problem.priorities)
+        if not limited:
+            return answer
+        self.solver.begin_part(1)
+        return within_rate(problem, answer, self.settings, self.solver)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
         """Orders always have an answer; a target that is none must have one by `balanced`."""

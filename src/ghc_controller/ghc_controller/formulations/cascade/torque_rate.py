@@ -1,0 +1,61 @@
+"""The torque rate limit: how fast torques get to the answer of the levels, not what that is.
+
+A strict level inside the rate limit gives up all that stands below it, damping included, for the
+little that one period allows: an arm whose targets conflict then swings for ever, at the limit
+(`make study ARGS=conflicts`). So levels do not know it, and their blend is approached as far as it
+allows, in a metric that is graded by the priorities.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ghc_controller.formulations.cascade.force_center import balanced_contacts
+from ghc_controller.formulations.cascade.level_answers import reduced_acceleration
+from ghc_controller.formulations.formulation import FormulationSettings
+from ghc_controller.formulations.nearest_answer import metric_factor
+from ghc_controller.problem.bounded_qp import solve_qp
+from ghc_controller.problem.box_kernels import is_inside
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.reduction import reduce_contacts
+from ghc_controller.problem.solution import Solution, SolutionStatus
+from ghc_controller.qp import QpSolver
+
+
+def limits_rate(problem: ControlProblem) -> bool:
+    """Whether the torque box holds more than the torque limits."""
+    box, limit = problem.torque, problem.torque_limit
+    return box is not limit and not (
+        np.array_equal(box.lower, limit.lower) and np.array_equal(box.upper, limit.upper)
+    )
+
+
+def without_rate(problem: ControlProblem) -> ControlProblem:
+    """The problem with the torque limits alone."""
+    return replace(problem, torque=problem.torque_limit)
+
+
+def within_rate(
+    problem: ControlProblem, answer: Solution, settings: FormulationSettings, solver: QpSolver
+) -> Solution:
+    """Answer of the levels where it meets the torque rate limit; else the nearest one that does.
+
+    min 1/2 (y - y*)^T W (y - y*) + 1/2 |s_f|^2 subject to every bound, W = sum_i gamma_i J_i^T J_i
+    + I with weights graded by the priorities; forces balance y and s_f moves them from those of
+    the answer.
+    """
+    box = problem.torque
+    if answer.status is SolutionStatus.FAILED or is_inside(answer.torque, box.lower, box.upper):
+        return answer
+    reduced, forces = balanced_contacts(reduce_contacts(problem))
+    y = reduced_acceleration(reduced, answer.acceleration)
+    factor = metric_factor(reduced, problem.alpha, settings)
+    about = forces.parametrization(reduced, y, factor, 1.0)._replace(force=answer.force)
+    found = solve_qp(reduced, about, solver)
+    return found._replace(
+        progress=answer.progress,
+        levels_dropped=answer.levels_dropped,
+        iterations=answer.iterations + found.iterations,
+    )
