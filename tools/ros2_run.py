@@ -19,48 +19,32 @@ class RunError(Exception):
     """What was asked for is not there; the text names what is."""
 
 
-def executables(prefix: Path, package: str) -> list[Path]:
-    """Executable files below lib/<package> of an install prefix; hidden folders do not count."""
-    found = []
-    for folder, inner, names in os.walk(prefix / "lib" / package):
-        inner[:] = [name for name in inner if not name.startswith(".")]
-        paths = (Path(folder) / name for name in names)
-        found += [path for path in paths if path.is_file() and os.access(path, os.X_OK)]
-    return sorted(found)
-
-
 def resolve(package: str, executable: str) -> Path:
     """The file behind a package and an executable; RunError when there is not exactly one."""
-    from ament_index_python import get_packages_with_prefixes
-
     try:
-        prefixes = get_packages_with_prefixes()
-    except OSError as error:  # AMENT_PREFIX_PATH is not set
+        from ghc_controller.errors import GhcError, UnknownName
+        from ghc_sim_bridge.run.executables import executables, find_executable, package_prefixes
+    except ModuleNotFoundError as error:
         raise RunError(f"{error}; source install/setup.bash first") from error
+
+    prefixes = package_prefixes()
+    if not prefixes:
+        raise RunError("AMENT_PREFIX_PATH is not set; source install/setup.bash first")
     if package not in prefixes:
+        # Only those of this workspace: the underlay has dozens more.
+        own = {name: path for name, path in prefixes.items() if path.is_relative_to(_INSTALL)}
+        runnable = sorted(name for name, path in own.items() if executables(path, name))
         raise RunError(
             f"package '{package}' not found; packages of this workspace with executables: "
-            f"{_listed(_runnable(prefixes))}"
+            f"{_listed(runnable)}"
         )
-    there = executables(Path(prefixes[package]), package)
-    hits = [path for path in there if path.name == executable]
-    if not hits:
-        names = [path.name for path in there]
-        raise RunError(f"no executable '{executable}' in '{package}'; it has: {_listed(names)}")
-    if len(hits) > 1:
-        raise RunError(
-            f"'{executable}' in '{package}' is not unique: {_listed(list(map(str, hits)))}"
-        )
-    return hits[0]
-
-
-def _runnable(prefixes: dict[str, str]) -> list[str]:
-    """Packages of this workspace that can be run; the underlay has dozens more."""
-    return [
-        name
-        for name, prefix in sorted(prefixes.items())
-        if Path(prefix).is_relative_to(_INSTALL) and executables(Path(prefix), name)
-    ]
+    try:
+        return find_executable(package, executable)
+    except UnknownName as error:
+        there = _listed(list(error.known))
+        raise RunError(f"no executable '{executable}' in '{package}'; it has: {there}") from error
+    except GhcError as error:
+        raise RunError(str(error)) from error
 
 
 def _listed(names: list[str]) -> str:

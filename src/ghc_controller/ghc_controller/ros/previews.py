@@ -17,8 +17,8 @@ from ghc_controller.ros.conversions.previews import (
     force_bounds_from_message,
     obstacle_motion_from_message,
 )
-from ghc_controller.ros.epoch import epoch_number
 from ghc_controller.ros.time import nanoseconds_from_time
+from ghc_controller.ros.wire.epoch import epoch_number
 from ghc_controller.schema.value_checks import shown
 from ghc_controller.types import NANOSECONDS
 

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 
 from ghc_controller.safety.braking import braking_torque
-from ghc_controller.safety.torque_gate import COUNTED_EXCESS, TorqueGate
+from ghc_controller.safety.torque_gate import COUNTED_EXCESS, TorqueGate, clip_torque
 from ghc_controller.types import Array, Dynamics
 
 # Names of what the gate caught, as in OutputGate.counts.
@@ -65,12 +65,17 @@ class OutputGate:
         if not _is_finite(torque):
             hits.append(NOT_FINITE)
             torque = self._hold(applied, dynamics, velocity)
-        if applied is not None and not _is_finite(applied):
+        previous, step = applied, self._gate.torque_step_limit
+        if previous is not None and not _is_finite(previous):
             hits.append(APPLIED_UNKNOWN)
-            applied = None
-        gated, excess = self._gate.clip(torque, applied)
-        kinds = zip((TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN), excess, strict=True)
-        hits += [name for name, amount in kinds if amount > COUNTED_EXCESS]
+            previous = None
+        if previous is None:
+            previous, step = torque, np.inf  # nothing to measure the rate from
+        gated = np.empty(torque.shape)
+        excess = clip_torque(torque, previous, self.torque_limit, step, gated)
+        if max(excess) > COUNTED_EXCESS:
+            kinds = zip((TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN), excess, strict=True)
+            hits += [name for name, amount in kinds if amount > COUNTED_EXCESS]
         for name in hits:
             self.counts[name] += 1
         return Output(gated, tuple(hits))

@@ -21,14 +21,6 @@ class GatedTorque(NamedTuple):
     rate_hit: bool
 
 
-class Excess(NamedTuple):
-    """By how much a torque was outside [Nm], largest over the joints; 0 or less: it was not."""
-
-    limit: float
-    rate: float  # of the change in one control period
-    rate_broken: float  # of the change that the torque limits alone demand
-
-
 class TorqueGate:
     """Clips torques to `torque_limit` and their change per control period to rate * control_dt.
 
@@ -60,26 +52,19 @@ class TorqueGate:
         self._wanted, self._previous = np.zeros(torque_limit.shape), np.zeros(torque_limit.shape)
         self(self._wanted, self._previous)  # loads the kernel before time runs
 
-    def __call__(self, torque: Array, previous: Array | None) -> GatedTorque:
-        """Torque to apply (n,) [Nm] after `previous` (n,) [Nm] was applied in the last period.
-
-        Without `previous` there is nothing to measure the rate from.
-        """
-        gated, excess = self.clip(torque, previous)
-        return GatedTorque(gated, excess.limit > COUNTED_EXCESS, excess.rate > COUNTED_EXCESS)
-
-    def clip(self, torque: Array, previous: Array | None) -> tuple[Array, Excess]:
-        """As a call, with what was in excess."""
+    def __call__(self, torque: Array, previous: Array) -> GatedTorque:
+        """Torque to apply (n,) [Nm] after `previous` (n,) [Nm] was applied in the last period."""
         self._wanted[:] = torque
-        step = np.inf if previous is None else self.torque_step_limit
-        self._previous[:] = torque if previous is None else previous
+        self._previous[:] = previous
         gated = np.empty(self._wanted.shape)
-        excess = _clip(self._wanted, self._previous, self.torque_limit, step, gated)
-        return gated, Excess(*excess)
+        over_limit, over_rate, _ = clip_torque(
+            self._wanted, self._previous, self.torque_limit, self.torque_step_limit, gated
+        )
+        return GatedTorque(gated, over_limit > COUNTED_EXCESS, over_rate > COUNTED_EXCESS)
 
 
 @numba.njit(cache=True)
-def _clip(
+def clip_torque(
     torque: Array, previous: Array, limit: Array, step: float, out: Array
 ) -> tuple[float, float, float]:
     """Clip to the rate, then to the limits; largest excess over limit, over rate, rate broken."""

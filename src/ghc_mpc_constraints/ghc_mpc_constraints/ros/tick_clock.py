@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-from ghc_controller.ros.epoch import epoch_number
+from ghc_controller.ros.wire.epoch import epoch_number
 
 
 class Due(Enum):

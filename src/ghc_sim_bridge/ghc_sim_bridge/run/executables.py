@@ -1,4 +1,4 @@
-"""Installed executables, found through the ament index."""
+"""Installed executables, found through the ament index as `ros2 run` finds them."""
 
 from __future__ import annotations
 
@@ -11,31 +11,43 @@ _INDEX = Path("share", "ament_index", "resource_index", "packages")
 
 
 def find_executable(package: str, executable: str) -> Path:
-    """Installed executable of a package, resolved as `ros2 run` does.
+    """The one executable file of that name below lib/<package>.
 
-    Raises GhcError when the package is not in the ament index, UnknownName for the executable.
+    Raises GhcError when the package is not in the ament index or has several of that name,
+    UnknownName when it has none.
     """
-    prefix = _prefix(package)
+    prefix = package_prefixes().get(package)
     if prefix is None:
         raise GhcError(
             f"package '{package}' is not in the ament index; build the workspace and "
             "source install/setup.bash"
         )
-    folder = prefix / "lib" / package
-    candidates = sorted(folder.iterdir()) if folder.is_dir() else []
-    runnable = [path for path in candidates if path.is_file() and os.access(path, os.X_OK)]
-    for path in runnable:
-        if path.name == executable:
-            return path
-    raise UnknownName(
-        f"executable of package '{package}'", executable, (path.name for path in runnable)
-    )
+    there = executables(prefix, package)
+    hits = [path for path in there if path.name == executable]
+    if not hits:
+        raise UnknownName(
+            f"executable of package '{package}'", executable, (path.name for path in there)
+        )
+    if len(hits) > 1:
+        places = ", ".join(map(str, hits))
+        raise GhcError(f"'{executable}' in '{package}' is not unique: {places}")
+    return hits[0]
 
 
-def _prefix(package: str) -> Path | None:
-    """First prefix of the environment in which the package is installed; None if in none."""
-    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    for prefix in map(Path, filter(None, prefixes)):
-        if (prefix / _INDEX / package).is_file():
-            return prefix
-    return None
+def executables(prefix: Path, package: str) -> list[Path]:
+    """Executable files below lib/<package> of an install prefix; hidden folders do not count."""
+    found = []
+    for folder, inner, names in os.walk(prefix / "lib" / package):
+        inner[:] = [name for name in inner if not name.startswith(".")]
+        paths = (Path(folder) / name for name in names)
+        found += [path for path in paths if path.is_file() and os.access(path, os.X_OK)]
+    return sorted(found)
+
+
+def package_prefixes() -> dict[str, Path]:
+    """Package -> install prefix, of all packages in the ament index of this environment."""
+    found: dict[str, Path] = {}
+    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
+        for entry in Path(prefix, _INDEX).glob("*"):
+            found.setdefault(entry.name, Path(prefix))
+    return found
