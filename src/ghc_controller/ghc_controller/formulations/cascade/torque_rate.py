@@ -17,11 +17,11 @@ from ghc_controller.formulations.cascade.level_answers import reduced_accelerati
 from ghc_controller.formulations.formulation import FormulationSettings
 from ghc_controller.formulations.nearest_answer import metric_factor
 from ghc_controller.problem.bounded_qp import solve_qp
-from ghc_controller.problem.box_kernels import is_inside
+from ghc_controller.problem.box_kernels import is_outside
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import reduce_contacts
 from ghc_controller.problem.solution import Solution, SolutionStatus
-from ghc_controller.qp import QpSolver
+from ghc_controller.qp import VIOLATION_TOLERANCE, QpSolver
 
 
 def limits_rate(problem: ControlProblem) -> bool:
@@ -47,7 +47,9 @@ def within_rate(
     the answer.
     """
     box = problem.torque
-    if answer.status is SolutionStatus.FAILED or is_inside(answer.torque, box.lower, box.upper):
+    if answer.status is SolutionStatus.FAILED or not is_outside(
+        answer.torque, box.lower, box.upper, VIOLATION_TOLERANCE
+    ):
         return answer
     reduced, forces = balanced_contacts(reduce_contacts(problem))
     y = reduced_acceleration(reduced, answer.acceleration)
