@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.formulations.bounded_qp import solve_qp, unbounded_answer
 from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.kernels import (
     balanced_system,
     balanced_target,
 )
+from ghc_controller.formulations.nearest_answer import nearest_answer
 from ghc_controller.formulations.problem import ControlProblem
-from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import reduce_contacts
-from ghc_controller.formulations.weight_kernels import weighted_system
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order
 from ghc_controller.hierarchy.solvability import Solvability
-from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped
-_LARGEST_WEIGHT = 1e6  # [-] of the metric, between the first level and the last
-_METRIC_FLOOR = 1.0  # [-] weight on |x|^2: that of the last level, so that it adds no spread
 
 
 class BalancedGhc(Formulation):
@@ -52,21 +47,7 @@ class BalancedGhc(Formulation):
             _GUARD * settings.regularization,
         )
         target = origin + moved
-        answer = unbounded_answer(reduced, target)
-        if answer is not None:
-            return answer
-        metric, _ = weighted_system(
-            reduced.jacobian,
-            wanted,
-            problem.starts,
-            problem.alpha,
-            settings.metric_ratio,
-            _LARGEST_WEIGHT,
-            _METRIC_FLOOR,
-        )
-        factor = inverse_factor(metric)
-        parametrization = Parametrization.whitened(target, factor, problem.contacts)
-        return solve_qp(reduced, parametrization, self.solver)
+        return nearest_answer(reduced, target, problem.alpha, settings, self.solver)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
         """Smallest singular value of the system of x*, in units of w and with the sign of its det.

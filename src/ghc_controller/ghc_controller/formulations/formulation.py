@@ -30,6 +30,25 @@ class TorqueRegularization(Enum):
     ZERO = "zero"  # tau
 
 
+class Metric(Enum):
+    """What the accelerations of task_priority make least among those that serve the tasks."""
+
+    ACCELERATION = "acceleration"  # |x|^2: resolved acceleration
+    INERTIA = "inertia"  # x^T M x: operational space
+    TORQUE = "torque"  # |M x|^2: least torque
+
+
+class DampedLevels(Enum):
+    """Levels of the closed laws for strict orders that w damps (task_priority and its baselines).
+
+    The names are in the terms of Jeong and Chang 2009.
+    """
+
+    ALL = "all"  # eq. 27, and level 1 as well: bounded at every singularity
+    LOWER = "lower"  # eq. 27 as printed: level 1 is exact
+    NONE = "none"  # eq. 18
+
+
 @dataclass(frozen=True, slots=True)
 class FormulationSettings:
     """Numbers shared by the formulations.
@@ -47,6 +66,8 @@ class FormulationSettings:
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
     hqp_damps_velocity: bool = False  # hqp damps x + kd v like the others, instead of x
+    metric: Metric = Metric.ACCELERATION  # task_priority only
+    damped_levels: DampedLevels = DampedLevels.ALL  # task_priority and its baselines
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
