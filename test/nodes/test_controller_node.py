@@ -196,17 +196,21 @@ def test_bad_transitions_are_refused_and_the_loop_goes_on(robot: Robot) -> None:
 )
 def test_formulations_of_strict_orders_reject_any_other_matrix(robot: Robot) -> None:
     """REJECTED with the reason; an order is accepted, runs, and is in force."""
-    tasks = ["end_effector", "elbow", "posture"]
-    (status,) = robot.ask(
-        id="half", tasks=tasks, alpha=[0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0]
-    )
+    between = [0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0]
+    (status,) = robot.ask(id="half", tasks=["end_effector", "elbow", "posture"], alpha=between)
     assert status.status == TransitionStatus.REJECTED
     for word in ("strict orders only", "values between 0 and 1", "elbow"):
         assert word in status.reason
-    (accepted, *_) = robot.ask(id="swap", hierarchy="elbow > end_effector > posture")
+    swapped = "elbow > end_effector > posture"
+    (accepted, *_) = robot.ask(id="swap", hierarchy=swapped)
     assert accepted.status == TransitionStatus.ACCEPTED
-    robot.until(lambda: robot.statuses[-1].status == TransitionStatus.DONE, robot.step)
-    assert robot.matrices[-1].hierarchy == "elbow > end_effector > posture"
+    robot.until(
+        lambda: (
+            robot.matrices[-1].hierarchy == swapped
+            and robot.statuses[-1].status == TransitionStatus.DONE
+        ),
+        robot.step,
+    )
 
 
 def test_late_request_is_refused_in_lockstep(robot: Robot) -> None:
