@@ -60,8 +60,8 @@ class ControllerParameters:
     )
     metric: str = parameter(
         "acceleration",
-        "what task_priority makes least beside the tasks: acceleration, inertia (operational "
-        "space) or torque",
+        "what task_priority and ghc make least beside the tasks: acceleration, inertia "
+        "(operational space, dynamically consistent projectors) or torque",
         one_of(*(kind.value for kind in Metric)),
     )
     layer_damping: float = parameter(

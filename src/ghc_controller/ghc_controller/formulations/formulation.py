@@ -31,10 +31,10 @@ class TorqueRegularization(Enum):
 
 
 class Metric(Enum):
-    """What the accelerations of task_priority make least among those that serve the tasks."""
+    """What accelerations make least beside the tasks, and in which projectors are orthogonal."""
 
     ACCELERATION = "acceleration"  # |x|^2: resolved acceleration
-    INERTIA = "inertia"  # x^T M x: operational space
+    INERTIA = "inertia"  # x^T M x: operational space, dynamically consistent projectors
     TORQUE = "torque"  # |M x|^2: least torque
 
 
@@ -66,7 +66,7 @@ class FormulationSettings:
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
     hqp_damps_velocity: bool = False  # hqp damps x + kd v like the others, instead of x
-    metric: Metric = Metric.ACCELERATION  # task_priority only
+    metric: Metric = Metric.ACCELERATION  # task_priority and ghc
     damped_levels: DampedLevels = DampedLevels.ALL  # task_priority and its baselines
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 

@@ -6,9 +6,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from ghc_controller.formulations.formulation import DampedLevels, Formulation, Metric, Solution
+from ghc_controller.formulations.formulation import DampedLevels, Formulation, Solution
 from ghc_controller.formulations.level_answers import rows_of
 from ghc_controller.formulations.nearest_answer import nearest_answer
 from ghc_controller.formulations.problem import ControlProblem
@@ -18,8 +16,6 @@ from ghc_controller.hierarchy.levels import is_order, levels
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.types import Array
-
-_FLOOR = 1e-9  # [-] of a metric's mean: keeps it regular where it loses a direction
 
 
 class Level(NamedTuple):
@@ -92,20 +88,3 @@ def levels_of(jacobian: Array, target: Array, starts: Starts, alpha: Array) -> l
     """
     indices = [rows_of(starts, tasks) for tasks in levels(alpha)]
     return [Level(jacobian[index], target[index]) for index in indices]
-
-
-def metric_matrix(reduced: ReducedProblem, metric: Metric) -> Array:
-    """(d, d) W of the norm x^T W x: I, M or M^2, scaled to trace d.
-
-    Without the scale w would mean something else in each metric. In contact M is that of the
-    motions that keep it, and M^2 that of the joint torques without contact forces.
-    """
-    d = reduced.jacobian.shape[1]
-    if metric is Metric.ACCELERATION:
-        return np.eye(d)
-    if metric is Metric.TORQUE:
-        matrix = reduced.torque_matrix.T @ reduced.torque_matrix
-    else:
-        mass, basis = reduced.source.mass_matrix, reduced.basis
-        matrix = mass if basis is None else basis.T @ mass @ basis
-    return matrix * (d / np.trace(matrix)) + _FLOOR * np.eye(d)

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ghc_controller.formulations.formulation import Metric
+from ghc_controller.formulations.metrics import metric_root
 from ghc_controller.formulations.reduction import ReducedProblem
-from ghc_controller.formulations.strict_law import Level, StrictLaw, metric_matrix
+from ghc_controller.formulations.strict_law import Level, StrictLaw
 from ghc_controller.types import Array
 
 
@@ -27,11 +28,9 @@ class TaskPriority(StrictLaw):
         damping, tolerance = self.damping(len(order)), self.projector.rank_tolerance
         if self.settings.metric is Metric.ACCELERATION:
             return task_priority(order, damping, tolerance)
-        # x^T W x = |z|^2 for z = L^T x with W = L L^T; rows J L^-T
-        lower = np.linalg.cholesky(metric_matrix(reduced, self.settings.metric))
-        back = np.linalg.solve(lower, np.eye(lower.shape[0])).T  # L^-T
-        scaled = [Level(level.jacobian @ back, level.target) for level in order]
-        return back @ task_priority(scaled, damping, tolerance)
+        root = metric_root(reduced, self.settings.metric)
+        scaled = [Level(level.jacobian @ root, level.target) for level in order]
+        return root @ task_priority(scaled, damping, tolerance)
 
 
 def task_priority(order: Sequence[Level], damping: Sequence[float], tolerance: float) -> Array:
