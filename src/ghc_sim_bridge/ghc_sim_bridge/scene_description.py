@@ -101,6 +101,7 @@ def load_scene(scene: str | Path) -> SceneDescription:
             read_obstacle(entry) for entry in fields.sections("obstacles", optional=True)
         ),
         sensor_period=read_sensor_period(fields),
+        end_stops=fields.flag("end_stops", True),
     )
     fields.done()
     for what, entries in (
