@@ -25,7 +25,8 @@ def metric_matrix(reduced: ReducedProblem, metric: Metric) -> Array:
     else:
         mass, basis = reduced.source.mass_matrix, reduced.basis
         matrix = mass if basis is None else basis.T @ mass @ basis
-    return matrix * (d / np.trace(matrix)) + _FLOOR * np.eye(d)
+    scale = d / max(float(np.trace(matrix)), 1e-300)  # contacts may leave no motion: d = 0
+    return matrix * scale + _FLOOR * np.eye(d)
 
 
 def metric_root(reduced: ReducedProblem, metric: Metric) -> Array:

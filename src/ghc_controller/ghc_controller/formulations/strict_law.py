@@ -40,7 +40,8 @@ class StrictLaw(Formulation):
         origin, target = reduced.about_rest(self.settings.velocity_damping)
         alpha = order_in_force(problem.priorities)
         order = levels_of(reduced.jacobian, target, problem.starts, alpha)
-        wanted = origin + self.accelerations(order, reduced) if order else origin
+        moves = order and len(origin)  # contacts may leave no motion
+        wanted = origin + self.accelerations(order, reduced) if moves else origin
         return nearest_answer(reduced, wanted, alpha, self.settings, self.solver)
 
     @abstractmethod
