@@ -47,7 +47,7 @@ def unifying(
     x, null = np.zeros(d), np.eye(d)
     for (jacobian, target), damped in zip(order, damping, strict=True):
         eigenvalues, vectors = np.linalg.eigh(jacobian @ inverse @ jacobian.T)
-        kept = eigenvalues > tolerance * max(float(eigenvalues[-1]), 1e-300)
+        kept = eigenvalues > tolerance * max(eigenvalues.max(initial=0.0), 1e-300)
         eigenvalues, vectors = eigenvalues[kept], vectors[:, kept]
         back = inverse @ jacobian.T @ vectors  # W^-1 J^T in the axes of the inverse
         weighted_inverse = (back / (eigenvalues + damped)) @ vectors.T
