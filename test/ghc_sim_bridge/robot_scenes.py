@@ -23,7 +23,7 @@ def _parameters(floating: bool) -> list[Any]:
     result = []
     for name in list_scenes():
         scene = _loaded(name)
-        if isinstance(scene, str):  # all models from packages so far are of floating robots
+        if isinstance(scene, str):  # of which kind is not known: it is told once
             if floating:
                 result.append(pytest.param(name, marks=pytest.mark.skip(reason=scene)))
         elif (scene.base is not None) == floating:

@@ -23,6 +23,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from ghc_controller.formulations import DEFAULT_FORMULATION
 from ghc_controller.ros.qos import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
@@ -119,8 +120,10 @@ class Robot:
 
 
 @pytest.fixture
-def robot(ros_context: Any, start_node: Callable[..., Any]) -> Iterator[Robot]:
-    """A robot with a controller that has answered its first state."""
+def robot(
+    ros_context: Any, start_node: Callable[..., Any], request: pytest.FixtureRequest
+) -> Iterator[Robot]:
+    """A robot with a controller that has answered its first state; param: its formulation."""
     # state_rate = 1 / control_dt: every step is reported
     start_node(
         "ghc_controller",
@@ -133,6 +136,8 @@ def robot(ros_context: Any, start_node: Callable[..., Any]) -> Iterator[Robot]:
             "state_rate:=1000.0",
             "-p",
             "lockstep:=true",
+            "-p",
+            f"formulation:={getattr(request, 'param', DEFAULT_FORMULATION)}",
         ],
     )
     robot = Robot(ros_context)
@@ -181,6 +186,30 @@ def test_bad_transitions_are_refused_and_the_loop_goes_on(robot: Robot) -> None:
     name = "rejected_ghc/priority_transition"
     robot.until(lambda: robot.count(name) == len(BAD_REQUESTS), robot.step)
     assert robot.matrices[-1].hierarchy == "end_effector > elbow > posture"
+
+
+@pytest.mark.parametrize(
+    "robot",
+    ["task_priority", "resolved_acceleration", "operational_space", "unifying"],
+    indirect=True,
+)
+def test_formulations_of_strict_orders_reject_any_other_matrix(robot: Robot) -> None:
+    """REJECTED with the reason; an order is accepted, runs, and is in force."""
+    between = [0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0]
+    (status,) = robot.ask(id="half", tasks=["end_effector", "elbow", "posture"], alpha=between)
+    assert status.status == TransitionStatus.REJECTED
+    for word in ("strict orders only", "values between 0 and 1", "elbow"):
+        assert word in status.reason
+    swapped = "elbow > end_effector > posture"
+    (accepted, *_) = robot.ask(id="swap", hierarchy=swapped)
+    assert accepted.status == TransitionStatus.ACCEPTED
+    robot.until(
+        lambda: (
+            robot.matrices[-1].hierarchy == swapped
+            and robot.statuses[-1].status == TransitionStatus.DONE
+        ),
+        robot.step,
+    )
 
 
 def test_late_request_is_refused_in_lockstep(robot: Robot) -> None:

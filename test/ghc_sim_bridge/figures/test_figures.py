@@ -215,3 +215,13 @@ def test_many_tasks_are_rows_of_the_table(tmp_path: Path) -> None:
     assert many.count("1.23e-03") == len(extra) * len(summary["phases"])
     for phase in summary["phases"]:
         assert f"{phase['errors']['elbow']:.2e}" in many and phase["hierarchy"] in many
+
+
+def test_a_path_is_drawn_of_three_axes_alone(tmp_path: Path) -> None:
+    """A center of mass over the ground has two."""
+    analysis, trace = made_up(tmp_path, "lemniscate")
+    history = analysis.history
+    first, *others = history.tasks
+    flat = replace(first, reference=first.reference[:, :2], position=first.position[:, :2])
+    analysis = replace(analysis, history=replace(history, tasks=(flat, *others)))
+    assert "path_end_effector" not in run_figures(analysis, trace)

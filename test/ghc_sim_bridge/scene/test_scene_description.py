@@ -159,3 +159,18 @@ def test_a_urdf_that_cannot_be_used_is_named(
     with pytest.raises(GhcError, match=message) as error:
         Simulator(file)
     assert "\n" not in str(error.value)
+
+
+def test_a_scene_may_have_motors_without_limits_and_joints_without_end_stops() -> None:
+    """The fencer's: a joint pushed beyond its limit turns on, with no torque from a stop."""
+    scene = load_scene("icub_fencer")
+    simulator = Simulator(scene)
+    assert (simulator.torque_limit == 1e5).all()
+    assert not scene.end_stops
+    q = simulator.start.copy()
+    q[0] = simulator.position_limits[0, 1] + 0.1
+    simulator.reset(q)
+    wanted = np.full(simulator.nv, 2.0)
+    simulator.step(simulator.mass_matrix() @ wanted + simulator.bias())
+    assert np.abs(simulator.acceleration - wanted).max() < 1e-7
+    assert load_scene("kuka_lwr").end_stops

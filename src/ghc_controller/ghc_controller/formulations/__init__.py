@@ -7,20 +7,30 @@ from ghc_controller.errors import UnknownName
 from ghc_controller.formulations.balanced import BalancedGhc
 from ghc_controller.formulations.cascade.cascade import Cascade
 from ghc_controller.formulations.formulation import (
+    DampedLevels,
     Formulation,
     FormulationSettings,
+    Metric,
     TorqueRegularization,
 )
 from ghc_controller.formulations.ghc import CondensedGhc
 from ghc_controller.formulations.ghc_full import FullGhc
 from ghc_controller.formulations.hqp import Hqp
+from ghc_controller.formulations.operational_space import OperationalSpace
+from ghc_controller.formulations.resolved_acceleration import ResolvedAcceleration
+from ghc_controller.formulations.task_priority import TaskPriority
+from ghc_controller.formulations.unifying import Unifying
 from ghc_controller.formulations.weighted import Weighted
 from ghc_controller.problem.control_problem import AccelerationRows, ContactRows, ControlProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.qp import QpSolver, make_solver
 
 FORMULATIONS: dict[str, type[Formulation]] = {
-    kind.name: kind for kind in (Cascade, CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted)
+    kind.name: kind
+    for kind in (
+        *(Cascade, CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted),
+        *(TaskPriority, ResolvedAcceleration, OperationalSpace, Unifying),
+    )
 }
 DEFAULT_FORMULATION = Cascade.name
 
@@ -44,8 +54,10 @@ __all__ = [
     "AccelerationRows",
     "ContactRows",
     "ControlProblem",
+    "DampedLevels",
     "Formulation",
     "FormulationSettings",
+    "Metric",
     "Solution",
     "SolutionStatus",
     "TorqueRegularization",

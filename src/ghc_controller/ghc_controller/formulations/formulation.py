@@ -30,6 +30,25 @@ class TorqueRegularization(Enum):
     ZERO = "zero"  # tau
 
 
+class Metric(Enum):
+    """What accelerations make least beside the tasks, and in which projectors are orthogonal."""
+
+    ACCELERATION = "acceleration"  # |x|^2: resolved acceleration
+    INERTIA = "inertia"  # x^T M x: operational space, dynamically consistent projectors
+    TORQUE = "torque"  # |M x|^2: least torque
+
+
+class DampedLevels(Enum):
+    """Levels of the closed laws for strict orders that w damps (task_priority and its baselines).
+
+    The names are in the terms of Jeong and Chang 2009.
+    """
+
+    ALL = "all"  # eq. 27, and level 1 as well: bounded at every singularity
+    LOWER = "lower"  # eq. 27 as printed: level 1 is exact
+    NONE = "none"  # eq. 18
+
+
 _POSITIVE = (
     "regularization",
     "torque_weight",
@@ -57,6 +76,8 @@ class FormulationSettings:
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
     hqp_damps_velocity: bool = False  # hqp damps x + kd v like the others, instead of x
+    metric: Metric = Metric.ACCELERATION  # task_priority and ghc
+    damped_levels: DampedLevels = DampedLevels.ALL  # task_priority and its baselines
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:

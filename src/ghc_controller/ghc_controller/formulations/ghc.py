@@ -7,9 +7,11 @@ import numpy as np
 from ghc_controller.formulations.formulation import (
     Formulation,
     FormulationSettings,
+    Metric,
     TorqueRegularization,
 )
 from ghc_controller.formulations.kernels import ghc_factor, ghc_target
+from ghc_controller.formulations.metrics import metric_root
 from ghc_controller.problem.bounded_qp import solve_bounded, solve_qp, unbounded_answer
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization
@@ -27,6 +29,10 @@ class CondensedGhc(Formulation):
     Accelerations are measured from -kd v: x = -kd v + sum_i P_i nu'_i, which damps one task by
     w |x + kd v|^2 and leaves motions that no task claims at x = -kd v. velocity_damping = 0, or
     v = 0, is the paper's own QP.
+
+    With `metric` W other than I, nu'_i and projectors are those of z = W^1/2 x: P_i becomes
+    W^-1/2 P_i(J W^-1/2) W^1/2. For W = M it is dynamically consistent: P_i M^-1 = M^-1 P_i^T, and
+    torques of a task in M P_i M^-1 do not accelerate those above it.
     """
 
     name = "ghc"
@@ -36,8 +42,13 @@ class CondensedGhc(Formulation):
         settings = self.settings
         reduced = reduce_contacts(problem)
         origin, target = reduced.about_rest(settings.velocity_damping)
+        root = None
+        rows = reduced.jacobian
+        if settings.metric is not Metric.ACCELERATION:
+            root = metric_root(reduced, settings.metric)
+            rows = rows @ root
         moved, projectors = ghc_target(
-            reduced.jacobian,
+            rows,
             target,
             problem.starts,
             problem.alpha,
@@ -45,19 +56,21 @@ class CondensedGhc(Formulation):
             self.projector.rank_tolerance,
             self.projector.layer_damping,
         )
-        x0 = origin + moved
+        x0 = origin + (moved if root is None else root @ moved)
         unweighted = settings.torque_regularization is TorqueRegularization.NONE
         answer = unbounded_answer(reduced, x0) if unweighted else None
         if answer is not None:
             return answer
         factor = ghc_factor(
-            reduced.jacobian,
+            rows,
             problem.starts,
             problem.alpha,
             projectors,
             settings.regularization,
             self.projector.layer_damping,
         )
+        if root is not None:
+            factor = root @ factor
         scale = float(np.sqrt(settings.regularization))
         parametrization = Parametrization.whitened(x0, factor, problem.contacts, scale)
         if unweighted:

@@ -3,6 +3,12 @@
 ```yaml
 urdf: my_arm.urdf                                   # relative to robot.yaml
 urdf: {package: my-models, file: share/my/arm.urdf} # in the files of a Python package
+urdf:                                               # changed on the way, see urdf_changes.py
+  package: my-models                                # without it the file is relative to robot.yaml
+  file: share/my/walker.urdf
+  root: right_sole                                  # link that becomes the base
+  locked: [left_wrist]                              # joints that stay at zero
+  frames: {tip: {link: left_hand, position: [0, 0, 0.3]}}  # [m] in the link, with its axes
 ```
 """
 
@@ -12,20 +18,27 @@ from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path, PurePosixPath
 
+import numpy as np
+
 from ghc_controller.errors import ConfigurationError
+from ghc_controller.robot.urdf_changes import UrdfChanges
+from ghc_controller.schema.reader import Fields
 
 PACKAGE_SCHEME = "package://"
+_CHANGES = ("root", "locked", "frames")
 
 
 def find_urdf(entry: object, robot_file: Path) -> Path:
-    """Path of the URDF that the field `urdf` of a robot.yaml names.
+    """Path of the URDF that the field `urdf` of a robot.yaml names, changed where it says so.
 
     Raises:
         ConfigurationError: one line that says what was given, or which package is missing and
             how to get it. Whether a file beside robot.yaml exists is left to whoever opens it.
+        UnknownName: a link or joint to be changed that the URDF has not.
     """
     package, file = _read(entry, robot_file)
-    return _in_package(package, file, robot_file) if package else robot_file.parent / file
+    urdf = _in_package(package, file, robot_file) if package else robot_file.parent / file
+    return _changes(entry, robot_file).write(urdf, resource_path)
 
 
 def package_of(entry: object, robot_file: Path) -> str:
@@ -41,14 +54,32 @@ def _read(entry: object, robot_file: Path) -> tuple[str, str]:
     """Package, empty for none, and file."""
     if isinstance(entry, str) and entry:
         return "", entry
-    if isinstance(entry, Mapping) and set(entry) == {"package", "file"}:
-        package, file = entry["package"], entry["file"]
+    if isinstance(entry, Mapping) and {"file"} < set(entry) <= {"package", "file", *_CHANGES}:
+        package, file = entry.get("package", "-"), entry["file"]
         if isinstance(package, str) and isinstance(file, str) and package and file:
-            return package, file
+            return "" if "package" not in entry else package, file
     raise ConfigurationError(
         f"{robot_file}: urdf: the path of a file, or {{package: name, file: path}} expected,"
         f" {entry!r} given"
     )
+
+
+def _changes(entry: object, robot_file: Path) -> UrdfChanges:
+    if not isinstance(entry, Mapping):
+        return UrdfChanges()
+    fields = Fields(
+        {key: value for key, value in entry.items() if key in _CHANGES}, robot_file, "urdf"
+    )
+    frames = fields.section("frames", optional=True)
+    places = {}
+    for name in frames.given():
+        place = frames.section(name)
+        places[name] = (place.text("link"), np.array(place.vector("position", 3)))
+        place.done()
+    root = fields.text("root") if fields.has("root") else ""
+    locked = fields.names("locked", optional=True)
+    fields.done()
+    return UrdfChanges(root, locked, places)
 
 
 def resource_path(uri: str, urdf: Path) -> Path:

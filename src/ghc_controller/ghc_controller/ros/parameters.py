@@ -8,7 +8,9 @@ from ghc_controller.constraints import TorqueCenter
 from ghc_controller.formulations import (
     DEFAULT_FORMULATION,
     FORMULATIONS,
+    DampedLevels,
     FormulationSettings,
+    Metric,
     TorqueRegularization,
 )
 from ghc_controller.hierarchy import ProjectorSettings
@@ -49,6 +51,18 @@ class ControllerParameters:
     )
     hqp_damps_velocity: bool = parameter(
         False, "hqp uses velocity_damping as well; false = damping of the literature"
+    )
+    damped_levels: str = parameter(
+        "all",
+        "levels that w damps in task_priority and its baselines: all, lower (all but the first) "
+        "or none",
+        one_of(*(kind.value for kind in DampedLevels)),
+    )
+    metric: str = parameter(
+        "acceleration",
+        "what task_priority and ghc make least beside the tasks: acceleration, inertia "
+        "(operational space, dynamically consistent projectors) or torque",
+        one_of(*(kind.value for kind in Metric)),
     )
     layer_damping: float = parameter(
         -1.0,
@@ -116,6 +130,8 @@ class ControllerParameters:
                 null_damping=self.null_damping,
                 torque_regularization=TorqueRegularization(self.torque_regularization),
                 hqp_damps_velocity=self.hqp_damps_velocity,
+                damped_levels=DampedLevels(self.damped_levels),
+                metric=Metric(self.metric),
                 projector=ProjectorSettings(
                     layer_damping=None if self.layer_damping < 0.0 else self.layer_damping
                 ),

@@ -32,7 +32,8 @@ def run_figures(analysis: Analysis, trace: ControllerTrace) -> dict[str, Figure]
             "jerk": jerk_figure(analysis),
         }
         for task in analysis.history.tasks:
-            if task.unit == "m" and np.ptp(task.reference, axis=0).max() > _MOVES:
+            moves = task.unit == "m" and np.ptp(task.reference, axis=0).max() > _MOVES
+            if moves and task.reference.shape[1] == len("xyz"):
                 figures[f"path_{task.name}"] = path_figure(analysis, task)
             if task.desired_force is not None and task.measured_force is not None:
                 figures[f"force_{task.name}"] = force_figure(analysis, trace, task)

@@ -83,7 +83,11 @@ def load_scene(scene: str | Path) -> SceneDescription:
         urdf=urdf,
         start={joint: start.number(joint) for joint in start.given()},
         base=_base(fields, robot),
-        torque_limit=limits.number_or_map("torque"),
+        torque_limit=(
+            fields.number_or_map("torque_limit")
+            if fields.has("torque_limit")
+            else limits.number_or_map("torque")
+        ),
         velocity_limit=limits.number_or_map("velocity"),
         gravity=read_vector(fields, "gravity", (0.0, 0.0, -9.81)),
         surfaces=tuple(
@@ -97,6 +101,7 @@ def load_scene(scene: str | Path) -> SceneDescription:
             read_obstacle(entry) for entry in fields.sections("obstacles", optional=True)
         ),
         sensor_period=read_sensor_period(fields),
+        end_stops=fields.flag("end_stops", True),
     )
     fields.done()
     for what, entries in (

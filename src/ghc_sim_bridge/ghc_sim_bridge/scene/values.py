@@ -87,7 +87,7 @@ class SceneDescription:
     urdf: Path
     start: Mapping[str, float]  # joint -> [rad]
     base: BaseStart | None  # None = the robot's base is fixed
-    torque_limit: Limit  # [Nm] of robot.yaml: one number, joint -> number, None = the URDF's
+    torque_limit: Limit  # [Nm] of scene or robot.yaml; one number, by joint, None = the URDF's
     velocity_limit: Limit  # [rad/s] likewise
     gravity: Vector  # [m/s^2]
     surfaces: tuple[Surface, ...]
@@ -95,3 +95,4 @@ class SceneDescription:
     camera: Camera
     obstacles: tuple[Obstacle, ...] = ()
     sensor_period: float | None = None  # [s] of the obstacle sensor; None = there is none
+    end_stops: bool = True  # joints stop at their position limits

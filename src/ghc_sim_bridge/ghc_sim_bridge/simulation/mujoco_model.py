@@ -34,7 +34,7 @@ def build_model(
     """
     spec = _read_urdf(scene, shapes)
     _set_physics(spec, scene, physics_dt)
-    _strip_robot(spec)
+    _strip_robot(spec, scene.end_stops)
     frames = _add_frame_sites(spec)
     for contact in scene.contacts:
         _add_contact(spec, contact, frames)
@@ -98,12 +98,14 @@ def _set_physics(spec: mujoco.MjSpec, scene: SceneDescription, physics_dt: float
     spec.compiler.fusestatic = True
 
 
-def _strip_robot(spec: mujoco.MjSpec) -> None:
+def _strip_robot(spec: mujoco.MjSpec, end_stops: bool) -> None:
     for joint in spec.joints:
         joint.damping = np.zeros_like(np.array(joint.damping))
         joint.stiffness = np.zeros_like(np.array(joint.stiffness))
         joint.frictionloss = 0.0
         joint.armature = 0.0
+        if not end_stops:
+            joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
         # The URDF's effort became a clamp on actuator forces; limits are the bridge's business.
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
     for geom in spec.geoms:

@@ -1,0 +1,66 @@
+"""Joint limits as a task: rows that switch on near a limit, and off again behind it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.reader import Fields
+from ghc_controller.tasks.registry import register_task
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Array, TaskRows, TaskTarget
+
+
+@register_task("joint_limit")
+class JointLimitTask(Task):
+    """One row per joint, zero unless the joint is within `margin` [rad] of a limit.
+
+    There it asks for the edge of the margin, at rest: x = stiffness (edge - q) - damping v. It is
+    the first level of Jeong and Chang (2009). Its rows come and go in one step, and so do torques;
+    joints pass their limits by degrees where targets are far. The bounds of `position_limits` do
+    neither.
+
+    Fields: stiffness, damping, margin [rad]. It has no reference: one that is given changes
+    nothing.
+    """
+
+    error_unit = "rad"
+
+    def __init__(
+        self,
+        name: str,
+        model: RobotModel,
+        stiffness: float | Array,
+        damping: float | Array,
+        margin: float,
+    ) -> None:
+        """See Task for the gains."""
+        super().__init__(name, model.joint_names, stiffness, damping)
+        limits = model.limits
+        self._lower, self._upper = limits.position_lower + margin, limits.position_upper - margin
+
+    @classmethod
+    def from_config(cls, fields: Fields, model: RobotModel) -> JointLimitTask:
+        """Build from one entry of `tasks` in robot.yaml."""
+        return cls(
+            fields.text("name"),
+            model,
+            np.array(fields.numbers("stiffness", model.na)),
+            np.array(fields.numbers("damping", model.na)),
+            fields.number("margin", minimum=0.0),
+        )
+
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:  # noqa: ARG002
+        """Rows of the joints beyond their edge; all others are zero."""
+        na = model.na
+        q, v = model.q[-na:], model.v[-na:]
+        error = np.clip(q, self._lower, self._upper) - q
+        beyond = error != 0.0
+        out.error[:] = error
+        out.target[:] = np.where(beyond, self.stiffness * error - self.damping * v, 0.0)
+        out.jacobian[:] = 0.0
+        out.jacobian[beyond, np.flatnonzero(beyond) + model.nv - na] = 1.0
+
+    def current(self, model: RobotModel) -> Array:
+        """Positions of the joints now, (na,) [rad]."""
+        return model.q[-model.na :]
