@@ -50,6 +50,9 @@ class ControllerParameters:
     hqp_damps_velocity: bool = parameter(
         False, "hqp uses velocity_damping as well; false = damping of the literature"
     )
+    rhp_constant_weights: bool = parameter(
+        False, "rhp_hqp weighs rows alike at any phi, as its authors' library; jumps in a swap"
+    )
     layer_damping: float = parameter(
         -1.0,
         "[-] damped projector layers: continuous at rank changes; 0 = exact, "
@@ -116,6 +119,7 @@ class ControllerParameters:
                 null_damping=self.null_damping,
                 torque_regularization=TorqueRegularization(self.torque_regularization),
                 hqp_damps_velocity=self.hqp_damps_velocity,
+                rhp_constant_weights=self.rhp_constant_weights,
                 projector=ProjectorSettings(
                     layer_damping=None if self.layer_damping < 0.0 else self.layer_damping
                 ),

@@ -16,12 +16,24 @@ from ghc_controller.formulations.formulation import (
 from ghc_controller.formulations.ghc import CondensedGhc
 from ghc_controller.formulations.ghc_full import FullGhc
 from ghc_controller.formulations.hqp import Hqp
+from ghc_controller.formulations.hqp_transition import HqpTransition
 from ghc_controller.formulations.problem import AccelerationRows, ContactRows, ControlProblem
+from ghc_controller.formulations.rhp_hqp import RhpHqp
 from ghc_controller.formulations.weighted import Weighted
 from ghc_controller.qp import QpSolver, make_solver
 
 FORMULATIONS: dict[str, type[Formulation]] = {
-    kind.name: kind for kind in (Cascade, CondensedGhc, FullGhc, BalancedGhc, Hqp, Weighted)
+    kind.name: kind
+    for kind in (
+        Cascade,
+        CondensedGhc,
+        FullGhc,
+        BalancedGhc,
+        Hqp,
+        Weighted,
+        RhpHqp,
+        HqpTransition,
+    )
 }
 DEFAULT_FORMULATION = Cascade.name
 
