@@ -23,9 +23,8 @@ def _parameters(floating: bool) -> list[Any]:
     result = []
     for name in list_scenes():
         scene = _loaded(name)
-        if isinstance(scene, str):  # all models from packages so far are of floating robots
-            if floating:
-                result.append(pytest.param(name, marks=pytest.mark.skip(reason=scene)))
+        if isinstance(scene, str):  # whether its base floats is not known then
+            result.append(pytest.param(name, marks=pytest.mark.skip(reason=scene)))
         elif (scene.base is not None) == floating:
             result.append(pytest.param(name))
     return result

@@ -3,6 +3,7 @@
 ```yaml
 urdf: my_arm.urdf                                   # relative to robot.yaml
 urdf: {package: my-models, file: share/my/arm.urdf} # in the files of a Python package
+urdf: {package: .., file: .., fixed_joints: [neck]} # with some joints fixed at zero
 ```
 """
 
@@ -13,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path, PurePosixPath
 
 from ghc_controller.errors import ConfigurationError
+from ghc_controller.urdf_variant import with_fixed_joints
 
 PACKAGE_SCHEME = "package://"
 
@@ -23,9 +25,13 @@ def find_urdf(entry: object, robot_file: Path) -> Path:
     Raises:
         ConfigurationError: one line that says what was given, or which package is missing and
             how to get it. Whether a file beside robot.yaml exists is left to whoever opens it.
+        UnknownName: a joint to be fixed that the URDF does not have.
     """
-    package, file = _read(entry, robot_file)
-    return _in_package(package, file, robot_file) if package else robot_file.parent / file
+    package, file, fixed = _read(entry, robot_file)
+    if not package:
+        return robot_file.parent / file
+    urdf = _in_package(package, file, robot_file)
+    return with_fixed_joints(urdf, fixed, resource_path) if fixed else urdf
 
 
 def package_of(entry: object, robot_file: Path) -> str:
@@ -37,14 +43,15 @@ def package_of(entry: object, robot_file: Path) -> str:
     return _read(entry, robot_file)[0]
 
 
-def _read(entry: object, robot_file: Path) -> tuple[str, str]:
-    """Package, empty for none, and file."""
+def _read(entry: object, robot_file: Path) -> tuple[str, str, tuple[str, ...]]:
+    """Package, empty for none, file, and joints to be fixed."""
     if isinstance(entry, str) and entry:
-        return "", entry
-    if isinstance(entry, Mapping) and set(entry) == {"package", "file"}:
-        package, file = entry["package"], entry["file"]
-        if isinstance(package, str) and isinstance(file, str) and package and file:
-            return package, file
+        return "", entry, ()
+    if isinstance(entry, Mapping) and set(entry) - {"fixed_joints"} == {"package", "file"}:
+        package, file, fixed = entry["package"], entry["file"], entry.get("fixed_joints", [])
+        texts = [package, file, *(fixed if isinstance(fixed, list) else [None])]
+        if all(isinstance(text, str) and text for text in texts):
+            return package, file, tuple(fixed)
     raise ConfigurationError(
         f"{robot_file}: urdf: the path of a file, or {{package: name, file: path}} expected,"
         f" {entry!r} given"
