@@ -53,7 +53,7 @@ class Follower(ABC):
 
     @property
     def reference_size(self) -> int:
-        """Entries of TaskTarget.velocity: m, unless a task follows something else than its rows."""
+        """Entries of TaskTarget.velocity: m, unless a task follows something else."""
         return self.size
 
     @property
