@@ -19,6 +19,7 @@ from ghc_controller.types import Array
 from ghc_sim_bridge.simulator import Simulator
 
 DT = 1e-3  # [s]
+_ROWS = ("position", "orientation", "gap", "torque", "mixed", "qps", "cpu")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,41 +30,45 @@ class Run:
     orientation: Array  # (T,) [rad]
     gap: Array  # (T,) [m] of the elbow from the obstacle
     torque: Array  # (T, n) [Nm]
-    acceleration: Array  # (T, n) [rad/s^2]
     mixed: Array  # (T,) 1 where several orders are in force
     qps: Array  # (T,)
     cpu: Array  # (T,) [s] of the formulation
     unsolved: int  # steps that are not SOLVED
+    dt: float  # [s]
 
 
 def run_case(
-    case: Case, formulation: str, w: float, duration: float | None = None, **options: Any
+    case: Case,
+    formulation: str,
+    optimization: FormulationSettings,
+    dt: float = DT,
+    duration: float | None = None,
 ) -> Run:
-    """Run a case with the simulator at a period of DT, torque rate limit off.
+    """Run a case with the simulator, torque rate limit off.
 
     Args:
-        w: [-] regularization.
+        dt: [s] control period.
         duration: [s], that of the case by default.
     """
     settings = ControllerSettings(
         formulation=formulation,
-        control_dt=DT,
+        control_dt=dt,
         hierarchy=case.hierarchy,
         torque_rate_limit=0.0,
-        optimization=FormulationSettings(regularization=w, **options),
+        optimization=optimization,
     )
     controller = Controller.for_robot(ROBOT, settings)
     controller.warm_up()
     counted = _Counted(controller)
-    simulator = Simulator(SCENE, control_dt=DT, joint_names=controller.model.joint_names)
+    simulator = Simulator(SCENE, control_dt=dt, joint_names=controller.model.joint_names)
     state = simulator.state()
     controller.observe(state)
     prepare(case, controller)
     act = case.schedule()
-    rows: dict[str, list[Any]] = {name: [] for name in Run.__slots__ if name != "unsolved"}
+    rows: dict[str, list[Any]] = {name: [] for name in _ROWS}
     names, unsolved = controller.robot.task_names, 0
     hand, turn = names.index("hand"), names.index("hand_orientation")
-    for _ in range(round((duration or case.duration) / DT)):
+    for _ in range(round((duration or case.duration) / dt)):
         controller.observe(state)
         gap = elbow_gap(controller, state.time)
         act(controller, state.time, gap)
@@ -73,35 +78,31 @@ def run_case(
         rows["orientation"].append(np.linalg.norm(controller.stack.error_of(turn)))
         rows["gap"].append(gap)
         rows["torque"].append(result.torque.copy())
-        rows["acceleration"].append(result.solution.acceleration.copy())
         rows["mixed"].append(len(controller.priorities.in_force.candidates) > 1)
         rows["qps"].append(counted.qps)
         rows["cpu"].append(counted.cpu)
         unsolved += result.status is not StepStatus.SOLVED
         simulator.step(result.torque)
         state = simulator.state()
-    return Run(**{name: np.array(values) for name, values in rows.items()}, unsolved=unsolved)
+    history = {name: np.array(values) for name, values in rows.items()}
+    return Run(**history, unsolved=unsolved, dt=dt)
 
 
-def figures(run: Run) -> dict[str, float | int]:
+def figures(run: Run) -> dict[str, float | int | None]:
     """Figures of a run, in the units of the table."""
     mixed = run.mixed.astype(bool)
-    result: dict[str, float | int] = {
-        "position_max_mm": 1e3 * float(run.position.max()),
-        "position_integral_mm_s": 1e3 * DT * float(run.position.sum()),
-        "position_end_mm": 1e3 * float(run.position[-1]),
-        "orientation_max_rad": float(run.orientation.max()),
-        "orientation_end_rad": float(run.orientation[-1]),
-        "gap_min_mm": 1e3 * float(run.gap.min()),
-        "torque_rate_nm_per_s": float(np.abs(np.diff(run.torque, axis=0)).max() / DT),
-        "acceleration_step_rad_per_s2": float(np.abs(np.diff(run.acceleration, axis=0)).max()),
-        "unsolved_steps": run.unsolved,
+    result: dict[str, float | int | None] = {
+        "max_mm": 1e3 * float(run.position.max()),
+        "integral_mm_s": 1e3 * run.dt * float(run.position.sum()),
+        "end_mm": 1e3 * float(run.position[-1]),
+        "turn_max_rad": float(run.orientation.max()),
+        "gap_mm": 1e3 * float(run.gap.min()),
+        "rate_nm_s": float(np.abs(np.diff(run.torque, axis=0)).max() / run.dt),
+        "unsolved": run.unsolved,
     }
-    for name, rows in (("single", ~mixed), ("mixed", mixed)):
-        result[f"qps_{name}"] = float(run.qps[rows].mean()) if rows.any() else float("nan")
-        result[f"qps_max_{name}"] = int(run.qps[rows].max()) if rows.any() else 0
-        cpu = run.cpu[rows]
-        result[f"cpu_{name}_us"] = 1e6 * float(np.median(cpu)) if rows.any() else float("nan")
+    for name, rows in (("one", ~mixed), ("mixed", mixed)):
+        result[f"qps_{name}"] = float(run.qps[rows].mean()) if rows.any() else None
+        result[f"cpu_{name}_us"] = 1e6 * float(np.median(run.cpu[rows])) if rows.any() else None
     return result
 
 

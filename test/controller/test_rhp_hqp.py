@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from order_problems import bounded, mixed, order, well_scaled_problem
 
+from benchmarks.order_problems import (
+    answer_on_ramp,
+    bounded,
+    identical_tasks,
+    jump,
+    largest_step,
+    order,
+    well_scaled_problem,
+)
 from ghc_controller.controller import Controller
 from ghc_controller.controller_settings import ControllerSettings
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import (
-    ControlProblem,
     FormulationSettings,
     SolutionStatus,
     make_formulation,
@@ -30,37 +33,12 @@ from ghc_controller.hierarchy import (
 from ghc_controller.hierarchy.level_slots import LevelSlots
 from ghc_controller.types import Array, RobotState
 
-Answer = Callable[[float], Array]  # share of the target -> x (n,)
+SWAP = order([0], [1], [2], tasks=3), order([1], [0], [2], tasks=3)
+REMOVAL = order([0], [1], [2], tasks=3), order([0], [2], tasks=3)
 
 
-def _answer(
-    name: str, problem: ControlProblem, start: Array, goal: Array, w: float, constant: bool = False
-) -> Answer:
-    settings = FormulationSettings(regularization=w, rhp_constant_weights=constant)
-    formulation = make_formulation(name, settings)
-
-    def x(s: float) -> Array:
-        mixture = mixed((start, 1.0 - s), (goal, s))
-        solution = formulation.solve(replace(problem, priorities=mixture))
-        assert solution.status is SolutionStatus.SOLVED
-        return solution.acceleration
-
-    return x
-
-
-def _largest_step(x: Answer) -> float:
-    """Largest of 100 equal steps of the share, over the whole change."""
-    answers = [x(s) for s in np.linspace(0.0, 1.0, 101)]
-    whole = float(np.linalg.norm(answers[-1] - answers[0]))
-    steps = [np.linalg.norm(b - a) for a, b in pairwise(answers)]
-    return float(max(steps)) / whole
-
-
-def _jump(x: Answer) -> float:
-    """What both ends jump by together, over the whole change."""
-    ends = x(0.0), x(1.0)
-    jump = np.linalg.norm(x(1e-9) - ends[0]) + np.linalg.norm(x(1.0 - 1e-9) - ends[1])
-    return float(jump / np.linalg.norm(ends[1] - ends[0]))
+def _settings(w: float, constant: bool = False) -> FormulationSettings:
+    return FormulationSettings(regularization=w, rhp_constant_weights=constant)
 
 
 @pytest.mark.parametrize(("sizes", "n"), [((3, 2, 7), 7), ((1, 3, 3, 1, 17), 17)])
@@ -86,20 +64,13 @@ def test_equals_hqp_at_strict_orders(sizes: tuple[int, ...], n: int, bounds: boo
     assert solved_by_qp > 100 if bounds else solved_by_qp == 0
 
 
-def _identical(rng: np.random.Generator) -> ControlProblem:
-    """Two tasks with the same Jacobian and different targets above a posture, 7 joints."""
-    problem = well_scaled_problem(rng, (3, 3, 7), 7, Priorities.of(np.zeros((3, 3))))
-    problem.jacobian[3:6] = problem.jacobian[:3]
-    return problem
-
-
 @pytest.mark.parametrize("constant", [False, True])
 def test_swap_of_identical_jacobians(constant: bool) -> None:
     """Rows that count with sqrt(phi): no jump at the ends; constant weights: more than 0.3."""
     rng = np.random.default_rng(1)
-    start, goal = order([0], [1], [2], tasks=3), order([1], [0], [2], tasks=3)
+    settings = _settings(1e-2, constant)
     jumps = [
-        _jump(_answer("rhp_hqp", _identical(rng), start, goal, 1e-2, constant)) for _ in range(60)
+        jump(answer_on_ramp("rhp_hqp", settings, identical_tasks(rng), SWAP)) for _ in range(60)
     ]
     if constant:
         assert np.median(jumps) > 0.3
@@ -111,22 +82,21 @@ def test_swap_of_identical_jacobians(constant: bool) -> None:
 def test_removal_over_a_posture_follows_the_damping(w: float, least: float, most: float) -> None:
     """The released direction goes with (1-s)^2 / ((1-s)^2 + w / sigma^2): 60 problems."""
     rng = np.random.default_rng(2)
-    start, goal = order([0], [1], [2], tasks=3), order([0], [2], tasks=3)
     steps = []
     for _ in range(60):
-        problem = well_scaled_problem(rng, (3, 3, 7), 7, Priorities.of(start))
-        steps.append(_largest_step(_answer("rhp_hqp", problem, start, goal, w)))
+        problem = well_scaled_problem(rng, (3, 3, 7), 7, Priorities.of(REMOVAL[0]))
+        steps.append(largest_step(answer_on_ramp("rhp_hqp", _settings(w), problem, REMOVAL)))
     assert least < np.median(steps) < most
 
 
+@pytest.mark.parametrize("w", [1e-2, 1e-4])
 @pytest.mark.parametrize("name", ["hqp_transition", "cascade"])
-def test_blends_are_linear_in_a_removal(name: str) -> None:
+def test_blends_are_linear_in_a_removal(name: str, w: float) -> None:
     """The largest of 100 steps is at most 1.1 % of the change: 20 of the problems above."""
     rng = np.random.default_rng(2)
-    start, goal = order([0], [1], [2], tasks=3), order([0], [2], tasks=3)
     for _ in range(20):
-        problem = well_scaled_problem(rng, (3, 3, 7), 7, Priorities.of(start))
-        assert _largest_step(_answer(name, problem, start, goal, 1e-2)) < 0.011
+        problem = well_scaled_problem(rng, (3, 3, 7), 7, Priorities.of(REMOVAL[0]))
+        assert largest_step(answer_on_ramp(name, _settings(w), problem, REMOVAL)) < 0.011
 
 
 def test_level_above_is_kept_on_a_ramp() -> None:
@@ -137,7 +107,8 @@ def test_level_above_is_kept_on_a_ramp() -> None:
     for _ in range(20):
         problem = well_scaled_problem(rng, (1, 3, 3, 17), 17, Priorities.of(start))
         free = make_formulation("hqp").solve(problem).acceleration
-        x = _answer("rhp_hqp", bounded(problem, free, 0.6), start, goal, 1e-2)
+        tight = bounded(problem, free, 0.6)
+        x = answer_on_ramp("rhp_hqp", _settings(1e-2), tight, (start, goal))
         missed = [abs(problem.jacobian[0] @ x(s) - problem.target[0]) for s in (0, 0.3, 0.7, 1)]
         assert np.ptp(missed) < 1e-6
 
@@ -216,6 +187,7 @@ def test_what_is_no_order_is_rejected(name: str) -> None:
     for matrix, reason in (
         (half, r"alpha\[end_effector, elbow\] = 0 and .* = 0.7 are neither strict nor equal"),
         (cycle, "the priorities of end_effector, elbow, posture are not transitive"),
+        (np.ones((3, 3)), "all of end_effector, elbow, posture are removed"),
         (partly, r"task 'elbow' is partly removed \(alpha = 0.4\)"),
     ):
         transition = Transition(PriorityMatrix(tasks, matrix), 0.0, 1.0)

@@ -23,6 +23,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from ghc_controller.formulations import DEFAULT_FORMULATION
 from ghc_controller.ros_conversions import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
@@ -120,8 +121,14 @@ class Robot:
 
 
 @pytest.fixture
-def robot(ros_context: Any, start_node: Callable[..., Any]) -> Iterator[Robot]:
-    """A robot with a controller that has answered its first state."""
+def robot(
+    ros_context: Any, start_node: Callable[..., Any], request: pytest.FixtureRequest
+) -> Iterator[Robot]:
+    """A robot with a controller that has answered its first state.
+
+    Its formulation is the parameter of the fixture, the default without one.
+    """
+    formulation = getattr(request, "param", DEFAULT_FORMULATION)
     # state_rate = 1 / control_dt: every step is reported
     start_node(
         "ghc_controller",
@@ -130,6 +137,8 @@ def robot(ros_context: Any, start_node: Callable[..., Any]) -> Iterator[Robot]:
             "--ros-args",
             "-p",
             "robot:=kuka_lwr",
+            "-p",
+            f"formulation:={formulation}",
             "-p",
             "state_rate:=1000.0",
             "-p",
@@ -182,6 +191,21 @@ def test_bad_transitions_are_refused_and_the_loop_goes_on(robot: Robot) -> None:
     name = "rejected_ghc/priority_transition"
     robot.until(lambda: robot.count(name) == len(BAD_REQUESTS), robot.step)
     assert robot.matrices[-1].hierarchy == "end_effector > elbow > posture"
+
+
+@pytest.mark.parametrize("robot", ["rhp_hqp", "hqp_transition"], indirect=True)
+def test_formulations_of_orders_refuse_other_matrices(robot: Robot) -> None:
+    """REJECTED with the entries and the formulation; an order is accepted, and states answered."""
+    before = robot.step()
+    tasks = {"tasks": ["elbow", "posture"]}
+    (status,) = robot.ask(alpha=[0.0, 0.2, 0.7, 0.0], **tasks)
+    assert status.status == TransitionStatus.REJECTED
+    for word in ("knows orders only", "alpha[elbow, posture] = 0.2", "neither strict nor equal"):
+        assert word in status.reason
+    assert np.allclose(robot.step().effort, before.effort, atol=1e-9)
+    status = robot.ask(alpha=[0.0, 0.0, 1.0, 0.0], duration=1.0, **tasks)[0]
+    assert status.status == TransitionStatus.ACCEPTED
+    assert np.isfinite(robot.step().effort).all()
 
 
 def test_late_request_is_refused_in_lockstep(robot: Robot) -> None:

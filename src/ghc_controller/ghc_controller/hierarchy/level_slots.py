@@ -41,7 +41,7 @@ class LevelSlots:
         """Tasks by slot of each candidate, all of one length."""
         keys = [candidate.alpha.tobytes() for candidate in candidates]
         kept = {key: self._kept[key] for key in keys if key in self._kept}
-        if len(keys) == 1:
+        if len(keys) == 1 and not all(kept.get(keys[0], ((),))):
             kept = {}  # nothing to align with: forget the empty slots of a ramp that ended
         for key, candidate in zip(keys, candidates, strict=True):
             if key not in kept:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
-from ghc_controller.formulations import ControlProblem
+from ghc_controller.formulations import ControlProblem, FormulationSettings, make_formulation
 from ghc_controller.hierarchy import Candidate, Priorities, matrix_from_hierarchy
 from ghc_controller.types import Array, Bounds
 
 _FREE = 1e6  # [Nm], [rad/s^2] a bound that is never met
+_AT_THE_ENDS = 1e-9  # [-] share of the other order: what a step to it adds is a jump
+
+Answer = Callable[[float], Array]  # share of the target -> x (n,)
 
 
 def order(*levels: Sequence[int], tasks: int) -> Array:
@@ -57,3 +61,38 @@ def bounded(problem: ControlProblem, x: Array, share: float) -> ControlProblem:
     half = share * np.abs(problem.mass_matrix @ x).max() * np.ones(len(x))
     torque = Bounds(problem.bias - half, problem.bias + half)
     return replace(problem, torque=torque, torque_limit=torque)
+
+
+def identical_tasks(rng: np.random.Generator) -> ControlProblem:
+    """Two tasks with the same Jacobian and different targets above a posture, 7 joints."""
+    problem = well_scaled_problem(rng, (3, 3, 7), 7, Priorities.of(np.zeros((3, 3))))
+    problem.jacobian[3:6] = problem.jacobian[:3]
+    return problem
+
+
+def answer_on_ramp(
+    formulation: str, settings: FormulationSettings, problem: ControlProblem, ends: Sequence[Array]
+) -> Answer:
+    """Accelerations of a problem over the share of the second of two orders (k, k)."""
+    solver = make_formulation(formulation, settings)
+
+    def x(s: float) -> Array:
+        mixture = mixed((ends[0], 1.0 - s), (ends[1], s))
+        return solver.solve(replace(problem, priorities=mixture)).acceleration
+
+    return x
+
+
+def largest_step(x: Answer, steps: int = 100) -> float:
+    """Largest of equal steps of the share, over the whole change; 1 / steps = even."""
+    answers = [x(s) for s in np.linspace(0.0, 1.0, steps + 1)]
+    sizes = [float(np.linalg.norm(b - a)) for a, b in pairwise(answers)]
+    return max(sizes) / float(np.linalg.norm(answers[-1] - answers[0]))
+
+
+def jump(x: Answer) -> float:
+    """What the answer jumps by at both ends together, over the whole change."""
+    first, last = x(0.0), x(1.0)
+    begin, end = x(_AT_THE_ENDS) - first, x(1.0 - _AT_THE_ENDS) - last
+    whole = np.linalg.norm(last - first)
+    return float((np.linalg.norm(begin) + np.linalg.norm(end)) / whole)
