@@ -187,7 +187,6 @@ def test_what_is_no_order_is_rejected(name: str) -> None:
     for matrix, reason in (
         (half, r"alpha\[end_effector, elbow\] = 0 and .* = 0.7 are neither strict nor equal"),
         (cycle, "the priorities of end_effector, elbow, posture are not transitive"),
-        (np.ones((3, 3)), "all of end_effector, elbow, posture are removed"),
         (partly, r"task 'elbow' is partly removed \(alpha = 0.4\)"),
     ):
         transition = Transition(PriorityMatrix(tasks, matrix), 0.0, 1.0)
@@ -196,3 +195,15 @@ def test_what_is_no_order_is_rejected(name: str) -> None:
     assert controller.add_transition(
         Transition(matrix_from_hierarchy(tasks, "elbow > end_effector = posture"), 0.0, 1.0), 0.0
     )
+
+
+def test_all_tasks_can_be_removed_and_come_back() -> None:
+    """Without a task all joints come to rest, and the ramps there and back do not jump."""
+    rng = np.random.default_rng(7)
+    none, one = np.ones((2, 2)), order([0], [1], tasks=2)
+    problem = well_scaled_problem(rng, (3, 7), 7, Priorities.of(none))
+    for ends in ((one, none), (none, one)):
+        x = answer_on_ramp("rhp_hqp", _settings(1e-2), problem, ends)
+        still = x(0.0 if ends[0] is none else 1.0)
+        assert np.abs(still).max() == 0.0
+        assert jump(x) < 1e-6

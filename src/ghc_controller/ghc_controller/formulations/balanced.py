@@ -41,17 +41,19 @@ class BalancedGhc(Formulation):
         settings = self.settings
         reduced = reduce_contacts(problem)
         origin, wanted = reduced.about_rest(settings.velocity_damping)
-        moved, _ = balanced_target(
-            reduced.jacobian,
-            wanted,
-            problem.starts,
-            problem.alpha,
-            settings.regularization,
-            self.projector.rank_tolerance,
-            self.projector.layer_damping,
-            _GUARD * settings.regularization,
-        )
-        target = origin + moved
+        target = origin
+        if len(origin):  # contacts may leave no motion
+            moved, _ = balanced_target(
+                reduced.jacobian,
+                wanted,
+                problem.starts,
+                problem.alpha,
+                settings.regularization,
+                self.projector.rank_tolerance,
+                self.projector.layer_damping,
+                _GUARD * settings.regularization,
+            )
+            target = origin + moved
         answer = unbounded_answer(reduced, target)
         if answer is not None:
             return answer
@@ -77,9 +79,7 @@ class BalancedGhc(Formulation):
         w, projector = self.settings.regularization, self.projector
 
         def measure(alpha: Array) -> float:
-            if (np.diag(alpha) >= 1.0).all():
-                return 0.0  # no task is left
-            if is_order(alpha):
+            if is_order(alpha):  # also of no task: all joints brake
                 return 1.0
             system, _ = balanced_system(
                 jacobian, starts, alpha, w, projector.rank_tolerance, projector.layer_damping

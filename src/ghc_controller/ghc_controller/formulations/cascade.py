@@ -42,7 +42,6 @@ from ghc_controller.qp import QpSolver
 from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
 
-_NO_ROWS = np.zeros(0, dtype=np.int64)
 _EMPTY = np.zeros((0, 0))
 _NONE = np.zeros(0)
 _ORDERS_KEPT = 64
@@ -67,10 +66,10 @@ class Cascade(Formulation):
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         contact_free, forces = balanced_contacts(reduce_contacts(problem))
-        answers = [
-            self._answer(contact_free, forces, candidate.alpha)
-            for candidate in problem.priorities.candidates
-        ]
+        candidates, answers = problem.priorities.candidates, []
+        for index, candidate in enumerate(candidates):
+            self.solver.begin_part(len(candidates) - index)  # none takes the pivots of another
+            answers.append(self._answer(contact_free, forces, candidate.alpha))
         return blend(answers, problem.priorities)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
@@ -104,7 +103,7 @@ class Order(NamedTuple):
     @classmethod
     def of(cls, alpha: Array, starts: Starts) -> Order:
         """Order of a matrix (k, k); without an active task one level that has no row."""
-        parts = [rows_of(starts, level) for level in levels(alpha)] or [_NO_ROWS]
+        parts = [rows_of(starts, level) for level in levels(alpha) or [[]]]
         return cls(np.concatenate(parts), np.cumsum([len(part) for part in parts]))
 
 
@@ -153,7 +152,7 @@ class _Descent:
             if best is None and found.status is SolutionStatus.FAILED:
                 return found
             if best is not None and not keeps_bounds(self.given, best.status, found):
-                return best
+                return best._replace(levels_dropped=count - free)
             best = _after(best, found)
             self.y = reduced_acceleration(self.reduced, found.acceleration)
             self.reduced = keep_feasible(self.reduced, found)

@@ -33,10 +33,11 @@ class HqpTransition(Formulation):
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
-        answers = [
-            self._cascade.solve(replace(problem, priorities=Priorities.of(candidate.alpha)))
-            for candidate in problem.priorities.candidates
-        ]
+        candidates, answers = problem.priorities.candidates, []
+        for index, candidate in enumerate(candidates):
+            self.solver.begin_part(len(candidates) - index)  # none takes the pivots of another
+            alone = replace(problem, priorities=Priorities.of(candidate.alpha))
+            answers.append(self._cascade.solve(alone))
         return blend(answers, problem.priorities)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:  # noqa: ARG002

@@ -64,16 +64,15 @@ class RhpHqp(Formulation):
         """See Formulation.solve."""
         settings = self.settings
         phi = self._slots.priority_matrix(problem.priorities.candidates)
-        before = np.vstack([np.zeros(phi.shape[1]), phi[:-1]])
-        used = [i for i in range(len(phi)) if (phi[i] != before[i]).any()]
+        levels = _levels(problem.starts, phi)
         reduced, forces = balanced_contacts(reduce_contacts(problem))
         d = reduced.jacobian.shape[1]
         y, projector = np.zeros(d), np.eye(d)
         if settings.hqp_damps_velocity:
             y, _ = reduced.about_rest(settings.velocity_damping)
         answer: Solution | None = None
-        for i in used:
-            rows, share = _level_rows(problem.starts, phi[i], before[i])
+        for depth, (rows, share) in enumerate(levels):
+            is_last = depth + 1 == len(levels)
             jacobian = reduced.jacobian[rows]
             local = jacobian @ projector
             wanted = share * (reduced.target[rows] - jacobian @ y)  # eq. 8
@@ -81,20 +80,21 @@ class RhpHqp(Formulation):
             A, r = weight[:, None] * local, weight * wanted
             factor = inverse_factor(A.T @ A + settings.regularization * np.eye(d))
             best = y + projector @ (factor @ (factor.T @ (A.T @ r)))
-            found = self._bounded(reduced, forces, best, projector @ factor, i == used[-1])
+            found = self._bounded(reduced, forces, best, projector @ factor, is_last)
             if answer is None and found.status is SolutionStatus.FAILED:
                 return found
             if answer is not None and not keeps_bounds(problem, answer.status, found):
-                break  # no pivot left, or rounding: keep the answer of the level above
+                # No pivot left, or rounding: keep the answer of the level above.
+                answer = answer._replace(levels_dropped=len(levels) - depth)
+                break
             answer = found if answer is None else _below(answer, found)
             y = reduced_acceleration(reduced, found.acceleration)
             reduced = keep_feasible(reduced, found)
-            if i != used[-1]:
+            if not is_last:
                 projector = recursive_projection(
                     projector, jacobian, share, settings.rank_tolerance
                 )
-        if answer is None:
-            raise ValueError("rhp_hqp needs at least one active task")
+        assert answer is not None
         return answer
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:  # noqa: ARG002
@@ -119,16 +119,24 @@ class RhpHqp(Formulation):
         return solve_qp(reduced, parametrization, self.solver)
 
 
-def _level_rows(starts: Starts, phi: Array, before: Array) -> tuple[Starts, Array]:
-    """Rows (m,) of the tasks whose phi changes at a level, highest phi first, and the phi of each.
+def _levels(starts: Starts, phi: Array) -> list[tuple[Starts, Array]]:
+    """Rows (m,) of the tasks whose phi changes at a level, highest phi first, and their phi (m,).
+
+    Levels where nothing changes are left out; without an active task one of no row is left.
 
     Args:
-        phi, before: (k,) rows of Phi at this level and at the one above.
+        phi: (l, k) Phi.
     """
-    chosen = np.flatnonzero(phi != before)
-    chosen = chosen[np.argsort(-phi[chosen], kind="stable")]
-    share = np.repeat(phi[chosen], starts[chosen + 1] - starts[chosen])
-    return rows_of(starts, chosen.tolist()), share
+    found = []
+    before = np.zeros(phi.shape[1])
+    for now in phi:
+        chosen = np.flatnonzero(now != before)
+        if len(chosen):
+            chosen = chosen[np.argsort(-now[chosen], kind="stable")]
+            share = np.repeat(now[chosen], starts[chosen + 1] - starts[chosen])
+            found.append((rows_of(starts, chosen.tolist()), share))
+        before = now
+    return found or [(rows_of(starts, []), np.zeros(0))]
 
 
 def recursive_projection(

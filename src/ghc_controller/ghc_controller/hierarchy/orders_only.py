@@ -17,9 +17,9 @@ class OrdersOnly(Solvability):
         """Measure of the target.
 
         Raises:
-            InvalidValue: it is no order, or has no task; names the entries that no order has.
+            InvalidValue: it is no order; names the entries that no order has.
         """
-        if not is_order(target) or (target.diagonal() > 0.0).all():
+        if not is_order(target):
             raise InvalidValue(f"{self.meaning}: {_why(target, tasks)}; {self.advice}")
         return self.measure(target)
 
@@ -41,8 +41,6 @@ def _why(alpha: Array, tasks: tuple[str, ...]) -> str:
         if 0.0 < alpha[i, i] < 1.0:
             return f"task '{tasks[i]}' is partly removed (alpha = {alpha[i, i]:g})"
     active = [i for i in range(count) if alpha[i, i] == 0.0]
-    if not active:
-        return f"all of {', '.join(tasks)} are removed"
     for i in active:
         for j in active:
             pair = (alpha[i, j], alpha[j, i])
