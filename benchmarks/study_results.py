@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import ghc_controller
-from benchmarks.studies import Study, StudyWithFigure
+from benchmarks.studies import Study, StudyWithFigure, StudyWithPage
 from ghc_controller.types import Array
 from ghc_sim_bridge.programs.markdown import picture
 
@@ -94,7 +94,7 @@ def shown_spread(values: Mapping[str, float | None]) -> str:
 def write_document(folder: Path, studies: Mapping[str, Study]) -> None:
     """Write <folder>.md from the results in the folder; nothing without results.
 
-    Figures go to figures/ beside it.
+    Figures go to figures/ beside it, pages of studies that have one beside it too.
     """
     parts = [_INTRODUCTION]
     for name, study in studies.items():
@@ -105,5 +105,8 @@ def write_document(folder: Path, studies: Mapping[str, Study]) -> None:
             if isinstance(study, StudyWithFigure):
                 study.plot(result, folder.parent / "figures" / study.FIGURE)
                 parts.append(picture(study.FIGURE, study.CAPTION) + "\n")
+            if isinstance(study, StudyWithPage):
+                target = folder.parent / study.PAGE
+                target.write_text(study.page(result), encoding="utf-8")
     if len(parts) > 1:
         folder.with_suffix(".md").write_text("\n".join(parts), encoding="utf-8")

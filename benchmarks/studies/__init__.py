@@ -3,7 +3,8 @@
 A study has NAME, TITLE, FORMULATIONS (those it is about), `run(quick, formulations)`, which
 returns {"facts": sizes and seeds, "formulations": {name: figures}}, all JSON values, and
 `table(result)`, Markdown with a sentence that says what the figures are. One with a figure has
-FIGURE and CAPTION as well, and `plot(result, path)`.
+FIGURE and CAPTION as well, and `plot(result, path)`; one with a page of its own beside
+study.md has PAGE and `page(result)`.
 """
 
 from __future__ import annotations
@@ -37,6 +38,16 @@ class StudyWithFigure(Study, Protocol):
 
     def plot(self, result: dict[str, Any], path: Path) -> None:
         """Draw a stored result."""
+
+
+@runtime_checkable
+class StudyWithPage(Study, Protocol):
+    """What the module of a study with a page of its own offers."""
+
+    PAGE: str  # file name
+
+    def page(self, result: dict[str, Any]) -> str:
+        """Markdown of the page of a stored result."""
 
 
 def load_studies() -> dict[str, Study]:

@@ -120,6 +120,6 @@ def _obstacle(model: RobotModel) -> MotionPlan:
 def _moving_reference(task: Task, model: RobotModel) -> ReferenceTrajectory:
     """A reference of one second that uses every kind of interpolation of a task."""
     position = np.stack([task.current(model)] * 2)
-    zeros = np.zeros((2, task.size))
+    zeros = np.zeros((2, task.reference_size))
     wrench = None if task.force is None else zeros + 1.0
     return ReferenceTrajectory.for_task(task, np.array([0.0, 1.0]), position, zeros, zeros, wrench)

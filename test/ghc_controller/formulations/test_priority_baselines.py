@@ -25,9 +25,9 @@ from ghc_controller.formulations import (
     SolutionStatus,
     make_formulation,
 )
-from ghc_controller.formulations.operational_space import operational_space
+from ghc_controller.formulations.baselines.operational_space import operational_space
+from ghc_controller.formulations.baselines.unifying import unifying
 from ghc_controller.formulations.strict_law import Level, order_in_force
-from ghc_controller.formulations.unifying import unifying
 from ghc_controller.hierarchy import Priorities, PriorityMatrix, Transition
 from ghc_controller.hierarchy.priorities import Candidate
 from ghc_controller.settings import ControllerSettings
@@ -149,7 +149,7 @@ def test_a_matrix_that_is_no_order_is_rejected_with_a_reason(name: str, kind: st
     controller = Controller.for_robot("kuka_lwr", ControllerSettings(formulation=name))
     tasks = controller.robot.task_names
     target = PriorityMatrix(tasks, NO_ORDERS[kind])
-    with pytest.raises(InvalidValue, match=f"'{name}' knows strict orders only"):
+    with pytest.raises(InvalidValue, match=f"'{name}' knows orders only"):
         controller.add_transition(Transition(target, 1.0, 1.0), 0.0)
     ties = PriorityMatrix(tasks, np.array([[0, 0, 0], [0, 0, 0], [1.0, 1, 0]]))
     assert controller.add_transition(Transition(ties, 1.0, 1.0), 0.0)

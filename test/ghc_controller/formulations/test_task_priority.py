@@ -22,7 +22,7 @@ from ghc_controller.formulations import (
     Metric,
     make_formulation,
 )
-from ghc_controller.formulations.resolved_acceleration import resolved_acceleration
+from ghc_controller.formulations.baselines.resolved_acceleration import resolved_acceleration
 from ghc_controller.formulations.strict_law import Level
 from ghc_controller.formulations.task_priority import new_directions, task_priority
 from ghc_controller.types import Array

@@ -110,7 +110,7 @@ def test_a_task_without_a_reference_stays_where_it_is(tmp_path: Path) -> None:
         ({"tasks": ["foot"]}, "tasks[0]: a mapping expected, 'foot' given"),
         (
             {"tasks": [FOOT | {"kind": "dance"}]},
-            "tasks[0].kind: 'dance' given; known: center_of_mass, frame_orientation",
+            "tasks[0].kind: 'dance' given; known: center_of_mass, frame_avoidance",
         ),
         (
             {"tasks": [FOOT | {"frame": "hand"}]},

@@ -39,8 +39,11 @@ def random_states(simulator: Simulator, seed: int) -> Iterator[State]:
 
 def frames_of(simulator: Simulator) -> tuple[str, str]:
     """A frame in the middle of the robot, and one at its end."""
-    arm = "joint_1" in simulator.joint_names
-    return ("elbow", "tool") if arm else ("chest", "sword_tip")
+    frames = {
+        "icub_fencer": ("chest", "sword_tip"),
+        "icub_upper_body": ("l_elbow_1", "l_hand_dh_frame"),
+    }
+    return frames.get(simulator.scene.name, ("elbow", "tool"))
 
 
 def pinocchio_model(simulator: Simulator) -> tuple[pinocchio.Model, pinocchio.Data]:

@@ -74,10 +74,11 @@ class FormulationSettings:
     null_damping: float = 3e-5  # [-] e of the null spaces of cascade
     metric_ratio: float = 1e3  # [-] kappa: what yields between two levels under active bounds
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
-    rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
-    hqp_damps_velocity: bool = False  # hqp damps x + kd v like the others, instead of x
+    rank_tolerance: float = 1e-4  # [-] of the largest singular value; rhp_hqp: of a row
+    hqp_damps_velocity: bool = False  # hqp and its kin damp x + kd v like the others, not x
     metric: Metric = Metric.ACCELERATION  # task_priority and ghc
     damped_levels: DampedLevels = DampedLevels.ALL  # task_priority and its baselines
+    rhp_constant_weights: bool = False  # rows of rhp_hqp count alike at any phi; jumps in a swap
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:

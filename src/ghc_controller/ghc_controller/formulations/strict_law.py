@@ -10,7 +10,8 @@ from ghc_controller.formulations.cascade.level_answers import rows_of
 from ghc_controller.formulations.formulation import DampedLevels, Formulation
 from ghc_controller.formulations.nearest_answer import nearest_answer
 from ghc_controller.hierarchy.directions import Starts
-from ghc_controller.hierarchy.levels import is_order, levels
+from ghc_controller.hierarchy.levels import levels
+from ghc_controller.hierarchy.orders_only import orders_only
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
@@ -55,26 +56,9 @@ class StrictLaw(Formulation):
         below = 0.0 if which is DampedLevels.NONE else w
         return [w if which is DampedLevels.ALL else 0.0, *([below] * (count - 1))]
 
-    def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
+    def solvability(self, jacobian: Array, starts: Starts) -> Solvability:  # noqa: ARG002
         """Every order has an answer; a matrix that is none is rejected."""
-        return (
-            super()
-            .solvability(jacobian, starts)
-            ._replace(
-                measure=lambda alpha: 1.0 if is_order(alpha) else 0.0,
-                along_ramp=False,
-                objection=self._objection,
-            )
-        )
-
-    def _objection(self, alpha: Array) -> str:
-        if is_order(alpha):
-            return ""
-        return (
-            f"formulation '{self.name}' knows strict orders only, and this matrix is none (values "
-            "between 0 and 1, a cycle, a one-sided tie, or a task removed in part); give a "
-            "hierarchy of '>' and '=', or take a formulation for any matrix such as cascade or ghc"
-        )
+        return orders_only(self.name)
 
 
 def order_in_force(priorities: Priorities) -> Array:

@@ -27,22 +27,18 @@ class Solvability(NamedTuple):
     )
     advice: str = "leave one task that no other restricts (a row of zeros)"
     along_ramp: bool = True  # False: matrices between start and target are never answered
-    objection: Callable[[Array], str] | None = None  # to a target (k, k), in words; "" = none
 
     def check(self, start: Array, target: Array, tasks: tuple[str, ...]) -> float:
         """Least measure from `start` (which is in force anyway) to `target`.
 
         Raises:
-            InvalidValue: it falls below `least`, no task is left, or the target is objected to.
+            InvalidValue: it falls below `least`, or no task is left.
         """
         if (np.diag(target) >= 1.0).all():
             raise InvalidValue(
                 "no task is left: all alpha_ii of the target are 1; at least one task expected of "
                 + ", ".join(tasks)
             )
-        objection = self.objection(target) if self.objection is not None else ""
-        if objection:
-            raise InvalidValue(f"{objection}; tasks: {', '.join(tasks)}")
         count = _RAMP_SAMPLES if self.along_ramp else 1
         shares = [(sample + 1) / count for sample in range(count)]
         smallest = min(self.measure(start + share * (target - start)) for share in shares)

@@ -52,10 +52,15 @@ class Follower(ABC):
         return len(self.labels)
 
     @property
+    def reference_size(self) -> int:
+        """Entries of TaskTarget.velocity: m, unless a task follows something else."""
+        return self.size
+
+    @property
     def position_size(self) -> int:
-        """Entries of TaskTarget.position: m, 4 for an orientation, 7 for a pose."""
+        """Entries of TaskTarget.position: as above, 4 for an orientation, 7 for a pose."""
         sizes = {ReferenceSpace.ORIENTATION: 4, ReferenceSpace.POSE: 7}
-        return sizes.get(self.space, self.size)
+        return sizes.get(self.space, self.reference_size)
 
     @abstractmethod
     def current(self, model: RobotModel) -> Array:
@@ -68,7 +73,7 @@ class Follower(ABC):
     def static_target(self, position: Array) -> TaskTarget:
         """Target at rest at `position`; checked, see `check_target`, quaternions normalised."""
         values = np.array(position, dtype=np.float64)
-        target = TaskTarget(values, np.zeros(self.size), np.zeros(self.size))
+        target = TaskTarget(values, *np.zeros((2, self.reference_size)))
         self.check_target(target)
         if self.space is not ReferenceSpace.VECTOR:
             values[-4:] /= np.linalg.norm(values[-4:])
@@ -82,9 +87,9 @@ class Follower(ABC):
         """
         fields = {
             "position": (target.position, self.position_size),
-            "velocity": (target.velocity, self.size),
-            "acceleration": (target.acceleration, self.size),
-            "wrench": (target.wrench, self.size),
+            "velocity": (target.velocity, self.reference_size),
+            "acceleration": (target.acceleration, self.reference_size),
+            "wrench": (target.wrench, self.reference_size),
         }
         for field, (value, size) in fields.items():
             if value is None:

@@ -88,7 +88,7 @@ class ReferenceTrajectory:
         return cls(
             task.name,
             task.space,
-            task.size,
+            task.reference_size,
             times,
             position,
             velocity,

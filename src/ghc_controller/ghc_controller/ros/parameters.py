@@ -64,6 +64,9 @@ class ControllerParameters:
         "(operational space, dynamically consistent projectors) or torque",
         one_of(*(kind.value for kind in Metric)),
     )
+    rhp_constant_weights: bool = parameter(
+        False, "rhp_hqp weighs rows alike at any phi, as its authors' library; jumps in a swap"
+    )
     layer_damping: float = parameter(
         -1.0,
         "[-] damped projector layers: continuous at rank changes; 0 = exact, "
@@ -132,6 +135,7 @@ class ControllerParameters:
                 hqp_damps_velocity=self.hqp_damps_velocity,
                 damped_levels=DampedLevels(self.damped_levels),
                 metric=Metric(self.metric),
+                rhp_constant_weights=self.rhp_constant_weights,
                 projector=ProjectorSettings(
                     layer_damping=None if self.layer_damping < 0.0 else self.layer_damping
                 ),

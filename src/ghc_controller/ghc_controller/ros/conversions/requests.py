@@ -135,7 +135,7 @@ def _joint_order(message: TaskReference, task: Follower) -> list[int] | None:
 
 def _row(task: Follower, name: str, values: Sequence[float], order: list[int] | None) -> Array:
     row = np.array(values, dtype=np.float64)
-    expected = task.position_size if name == "position" else task.size
+    expected = task.position_size if name == "position" else task.reference_size
     if row.shape != (expected,):
         raise WrongSize(f"task '{task.name}', {name} of a point", len(row), expected)
     return row if order is None else row[order]
@@ -148,5 +148,5 @@ def _optional_rows(
     values = [getattr(point, name) for point in message.points]
     if not any(len(value) for value in values):
         return None
-    zero = [0.0] * task.size
+    zero = [0.0] * task.reference_size
     return np.array([_row(task, name, value or zero, order) for value in values])

@@ -1,0 +1,46 @@
+"""Transitions of a hierarchical QP by blending: one cascade per order, x = sum_c rho_c HQP_c."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ghc_controller.formulations.cascade.blend import blend
+from ghc_controller.formulations.formulation import Formulation, FormulationSettings
+from ghc_controller.formulations.hqp import Hqp
+from ghc_controller.hierarchy.directions import Starts
+from ghc_controller.hierarchy.orders_only import orders_only
+from ghc_controller.hierarchy.priorities import Priorities
+from ghc_controller.hierarchy.solvability import Solvability
+from ghc_controller.problem.control_problem import ControlProblem
+from ghc_controller.problem.solution import Solution
+from ghc_controller.qp import QpSolver
+from ghc_controller.types import Array
+
+
+class HqpTransition(Formulation):
+    """The HQP-based transition that RHP-HQP (2021) is compared with, as read from its text.
+
+    Each candidate of a mixture of orders is answered by `hqp` with its settings, and the answers
+    are blended: linear in the shares, feasible since the bounds are convex, and as many cascades
+    per step as orders are in force. A target that is no order is rejected.
+    """
+
+    name = "hqp_transition"
+    blends = True
+
+    def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
+        super().__init__(settings, solver)
+        self._cascade = Hqp(settings, solver)
+
+    def solve(self, problem: ControlProblem) -> Solution:
+        """See Formulation.solve."""
+        candidates, answers = problem.priorities.candidates, []
+        for index, candidate in enumerate(candidates):
+            self.solver.begin_part(len(candidates) - index)  # none takes the pivots of another
+            alone = replace(problem, priorities=Priorities.of(candidate.alpha))
+            answers.append(self._cascade.solve(alone))
+        return blend(answers, problem.priorities)
+
+    def solvability(self, jacobian: Array, starts: Starts) -> Solvability:  # noqa: ARG002
+        """Orders always have an answer; any other target is rejected."""
+        return orders_only(self.name)

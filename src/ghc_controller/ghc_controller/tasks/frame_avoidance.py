@@ -1,0 +1,125 @@
+"""Distance of a frame from an obstacle that is its reference: one row along the line between."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.errors import InvalidValue
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.reader import Fields
+from ghc_controller.tasks.force_control import WORLD_AXES
+from ghc_controller.tasks.registry import register_task
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Array, TaskRows, TaskTarget
+
+_CLOSEST = 1e-6  # [m] a frame nearer than this to the obstacle has no direction away from it
+_ABSENT = 10.0  # [m] above the frame: where an obstacle without a reference is
+
+
+@register_task("frame_avoidance")
+class FrameAvoidanceTask(Task):
+    """xi = distance d of the frame's origin from the obstacle minus `radius` [m].
+
+    The reference is the position of the obstacle in the world, with its velocity and acceleration.
+    With n the unit vector from obstacle to frame, J = n^T J_p and d' = n^T (v_p - v_o), the local
+    controller keeps `distance` once the obstacle is near, and brings the frame to rest along n
+    while it is far:
+
+        xi''_d = h (stiffness (distance - d) - damping d' - c + n^T a_o) - (1 - h) damping n^T v_p
+
+    c = (|v_p - v_o|^2 - d'^2) / |p - o| is the part of d'' that turns n, and h goes smoothly from
+    0 at d = `far` to 1 at d = `near`.
+
+    Fields: frame, stiffness, damping, distance, near, far, radius (default 0), reference (optional
+    standing position of the obstacle; without one it is 10 m above the frame).
+    """
+
+    def __init__(
+        self,
+        name: str,
+        model: RobotModel,
+        frame: str,
+        stiffness: float | Array,
+        damping: float | Array,
+        distance: float,
+        near: float,
+        far: float,
+        radius: float = 0.0,
+        reference: Array | None = None,
+    ) -> None:
+        """See Task for the gains; `distance`, `near`, `far` and `radius` in [m].
+
+        Raises:
+            UnknownName: no such frame; lists those that exist.
+            InvalidValue: `near` is not below `far`.
+        """
+        if not near < far:
+            raise InvalidValue(
+                f"task '{name}', near: {near:g} m given, less than far = {far:g} m expected"
+            )
+        super().__init__(name, ("distance",), stiffness, damping, reference)
+        self.frame = frame
+        self.distance, self.near, self.far, self.radius = distance, near, far, radius
+        self._frame_id = model.frame_id(frame)
+
+    @classmethod
+    def from_config(cls, fields: Fields, model: RobotModel) -> FrameAvoidanceTask:
+        """Build from one entry of `tasks` in robot.yaml."""
+        reference = None
+        if fields.has("reference"):
+            reference = np.array(fields.numbers("reference", len(WORLD_AXES)))
+        return cls(
+            fields.text("name"),
+            model,
+            fields.choice("frame", model.frame_names),
+            np.array(fields.numbers("stiffness", 1)),
+            np.array(fields.numbers("damping", 1)),
+            fields.number("distance", minimum=0.0),
+            fields.number("near"),
+            fields.number("far"),
+            fields.number("radius", 0.0, minimum=0.0),
+            reference,
+        )
+
+    @property
+    def reference_size(self) -> int:
+        """The position of the obstacle has three entries, the task one row."""
+        return len(WORLD_AXES)
+
+    def default_target(self, model: RobotModel) -> TaskTarget:
+        """The configured position of the obstacle; without one, far above the frame."""
+        return self._reference or self.static_target(self.current(model))
+
+    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
+        """One row along the line from the obstacle to the frame."""
+        frame = model.frame(self._frame_id)
+        away = frame.position - target.position
+        length = max(float(np.linalg.norm(away)), _CLOSEST)
+        n, d = away / length, length - self.radius
+        approach = frame.velocity[:3] - target.velocity
+        rate = float(n @ approach)
+        turning = (float(approach @ approach) - rate * rate) / length
+        h = _smooth_step((self.far - d) / (self.far - self.near))
+        stiffness, damping = float(self.stiffness[0]), float(self.damping[0])
+        kept = stiffness * (self.distance - d) - damping * rate - turning
+        kept += float(n @ target.acceleration)
+        still = -damping * float(n @ frame.velocity[:3])
+        out.jacobian[0] = n @ frame.jacobian[:3]
+        out.target[0] = h * kept + (1.0 - h) * still - float(n @ frame.drift[:3])
+        out.error[0] = self.distance - d
+
+    def current(self, model: RobotModel) -> Array:
+        """Position of an obstacle that is far away, (3,) [m]: the frame has none of its own."""
+        position: Array = model.frame_position(self._frame_id) + [0.0, 0.0, _ABSENT]
+        return position
+
+    def gap(self, model: RobotModel, target: TaskTarget) -> float:
+        """Distance d [m] at the last update of the model."""
+        away = model.frame_position(self._frame_id) - target.position
+        return float(np.linalg.norm(away)) - self.radius
+
+
+def _smooth_step(s: float) -> float:
+    """From 0 at s <= 0 to 1 at s >= 1 with two continuous derivatives."""
+    s = min(max(s, 0.0), 1.0)
+    return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
