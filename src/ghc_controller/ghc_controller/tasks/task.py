@@ -109,6 +109,7 @@ class Task(Follower):
         Raises:
             InvalidValue: this kind of task offers none.
         """
+        del model, weights
         raise InvalidValue(f"task '{self.name}' offers no second-order term")
 
     def error_curvature(self, model: RobotModel, error: Array) -> Array:
