@@ -18,7 +18,7 @@ STATIC = range(4, 10)  # tests with Psi; T9 is static in its second half
 _NEAR = 1e-3  # [m]
 _OFFSETS = ((1, 2), (1 + _NEAR, 2 + _NEAR), (1 - _NEAR, 2 - _NEAR), (11, 12), (0.75, 1.75))  # x, y
 _STILL = 1e-6  # [rad], [m] of Psi
-TRACE = 50  # [steps] between stored points
+TRACE = 100  # [steps] between stored points
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,3 @@
+from typing import Any
+from pathlib import Path
+def write_document(results: dict[str, Any], folder: Path) -> None: ...
