@@ -12,6 +12,7 @@ from ghc_controller.qp.dual_active_set import SOLVED, solve_dual
 from ghc_controller.types import Array
 
 _NO_ROW = 1e-8  # [-] a bound row shorter than this in the null space cannot be influenced
+_ROUNDING = 1e-8  # [rad], [m] violation with which an answer still counts as solved
 _PIVOTS = 500
 
 
@@ -76,8 +77,11 @@ def bounded_level(
     status, _, u, _, _ = solve_dual(
         np.eye(d), np.zeros(d), np.zeros((0, d)), np.zeros(0), reach, low, high, _PIVOTS
     )
-    if status != SOLVED:
-        return x.copy(), False, left
+    if status != SOLVED:  # at a vertex of more bounds than dimensions rounding looks infeasible
+        reached = reach @ u
+        for i in range(count):
+            if low[i] - reached[i] > _ROUNDING or reached[i] - high[i] > _ROUNDING:
+                return x.copy(), False, left
     return x + moves @ (free + u), True, left
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ghc_controller.errors import InvalidValue
 from ghc_controller.kinematics.level_kernels import positive_root, structured_update
 from ghc_controller.kinematics.level_rows import LevelRows
 from ghc_controller.kinematics.settings import SECOND_ORDER, KinematicSettings
@@ -63,7 +64,7 @@ class SecondOrderTerms:
                 continue
             if model == "newton":
                 if own is None or term is None:
-                    raise ValueError("model newton needs the exact terms of the levels")
+                    raise InvalidValue("model newton needs the exact terms of the levels")
                 S = self._exact(index, levels, last, own, term)
             else:
                 if model == "gn_qn" and last is not None:
