@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -27,9 +26,8 @@ def write_document(results: Mapping[str, Any], folder: Path) -> None:
         begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
         if begin not in text or end not in text:
             raise ValueError(f"{SOURCE}: no marks of table '{name}'")
-        pattern = f"{re.escape(begin)}.*?{re.escape(end)}"
-        new = f"{begin}\n{make(results)}\n{end}"
-        text = re.sub(pattern, lambda _, new=new: new, text, flags=re.DOTALL)
+        before, _, rest = text.partition(begin)
+        text = f"{before}{begin}\n{make(results)}\n{end}{rest.partition(end)[2]}"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "gn_qn.md").write_text(text, encoding="utf-8")
     if {"T1", "T2"} & set(results):

@@ -52,7 +52,7 @@ def plot_hand(runs: Mapping[str, Any], path: Path) -> None:
         steps = humanoid_test.TRACE * np.arange(len(trace))
         top.plot(steps, np.maximum(trace[:, 0], 1e-12), color=colour(index), lw=0.9, label=name)
         if name == "gn_qn":
-            for level, label in enumerate(_LEVELS):
+            for level in range(len(_LEVELS)):
                 used = steps[trace[:, 1 + level] > 0.5]
                 bottom.plot(used, np.full(len(used), level), "|", color=colour(index), ms=7)
                 bottom.axhline(level, color="#CCCCCC", lw=0.5, zorder=0)

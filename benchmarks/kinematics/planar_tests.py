@@ -88,7 +88,9 @@ def run_planar(test: PlanarTest, settings: KinematicSettings) -> dict[str, Any]:
         integral += errors[0]
         if test.shoulder_box:
             at = levels[0].tasks[0].current(model)
-            beyond = max(beyond, float(np.max(np.maximum(SHOULDER_BOX[0] - at, at - SHOULDER_BOX[1]))))
+            beyond = max(
+                beyond, float(np.max(np.maximum(SHOULDER_BOX[0] - at, at - SHOULDER_BOX[1])))
+            )
         if k:
             sigma += float(np.abs(step[np.sign(step) != np.sign(last)]).sum())
         if np.abs(step).max() >= _STILL:

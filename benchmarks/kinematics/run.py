@@ -53,7 +53,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--variant", action="append", default=[], choices=list(VARIANTS))
     parser.add_argument("--quick", action="store_true", help="very short, to see that it works")
     parser.add_argument("--document", action="store_true", help="run nothing, only write gn_qn.md")
-    parser.add_argument("--output", type=Path, metavar="DIR", help="folder of results and document")
+    parser.add_argument(
+        "--output", type=Path, metavar="DIR", help="folder of results and document"
+    )
     return parser
 
 

@@ -30,9 +30,7 @@ BOXED = tuple(name for name in MODELS if name != "adls")
 
 
 def _levels(rng: np.random.Generator, sizes: tuple[int, ...] = (3, 2)) -> list[LevelRows]:
-    return [
-        LevelRows.equalities(rng.normal(size=(m, N)), rng.normal(size=m)) for m in sizes
-    ]
+    return [LevelRows.equalities(rng.normal(size=(m, N)), rng.normal(size=m)) for m in sizes]
 
 
 def _kernel(rows: Array) -> Array:
@@ -131,7 +129,9 @@ def test_an_inequality_that_holds_costs_the_levels_below_nothing() -> None:
     settings = KinematicSettings(model="gn", trust_region=WIDE)
     free = HierarchySolver(N, settings).solve(levels)
     wide = LevelRows(rng.normal(size=(3, N)), np.full(3, -1e3), np.full(3, 1e3), False)
-    np.testing.assert_allclose(HierarchySolver(N, settings).solve([wide, *levels]), free, atol=1e-9)
+    np.testing.assert_allclose(
+        HierarchySolver(N, settings).solve([wide, *levels]), free, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("model", BOXED)

@@ -114,9 +114,7 @@ class Cascade:
         self._high = np.concatenate([self._high, np.maximum(level.upper, value)])
         held = J[w != 0.0] if root is None else np.vstack([J[w != 0.0], root])
         if len(held) and self._null_space.shape[1]:
-            self._null_space = null_space_of(
-                held, self._null_space, self._settings.rank_tolerance
-            )
+            self._null_space = null_space_of(held, self._null_space, self._settings.rank_tolerance)
         self._remember(index, level, root, w, self._active(level))
 
     def _relax(self, level: LevelRows, root: Array | None, excess: Array) -> None:
@@ -160,7 +158,7 @@ class Cascade:
         w: Array,
         active: NDArray[np.bool_],
     ) -> None:
-        """Multipliers of this level: lambda_{l,l} = w, those of the levels above by stationarity."""
+        """Multipliers of this level: lambda_{l,l} = w, those of levels above by stationarity."""
         if not self._keeps_multipliers:
             return
         if w.any():

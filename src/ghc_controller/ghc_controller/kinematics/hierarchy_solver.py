@@ -1,4 +1,4 @@
-"""Lexicographic least squares over linearized levels, eq. 14 and 19 with the augmentation of 10."""
+"""Lexicographic least squares over linearized levels: eq. 14 and 19 with the rows of 10."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ class HierarchySolver:
         """Step dq (n,) of these levels, highest first.
 
         Args:
-            lower, upper: (n,) further bounds on the step, such as joint limits; a bound that dq = 0
-                violates counts as 0.
+            lower, upper: (n,) further bounds on the step, such as joint limits; a bound that
+                dq = 0 violates counts as 0.
             own, term: exact second-order terms, for model `newton`: see SecondOrderTerms.roots.
 
         Raises:

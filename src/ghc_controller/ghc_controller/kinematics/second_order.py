@@ -101,9 +101,7 @@ class SecondOrderTerms:
         else:
             self._B[index] = np.diag(diagonal)
 
-    def _gradient_change(
-        self, index: int, levels: Sequence[LevelRows], last: StepRecord
-    ) -> Array:
+    def _gradient_change(self, index: int, levels: Sequence[LevelRows], last: StepRecord) -> Array:
         """y = sum over levels up to this one of (J_i - J_i before)^T lambda_i, (n,)."""
         y = np.zeros(len(last.step))
         for i in range(index + 1):

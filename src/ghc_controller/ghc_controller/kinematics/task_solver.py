@@ -42,7 +42,7 @@ class TaskSolver:
         """dq (n,) [rad], [m] from configuration q (nq,).
 
         Args:
-            targets: by task: a reference as the task takes it, or (lower, upper) in bounded levels.
+            targets: by task: a reference, or (lower, upper) in bounded levels.
 
         Raises:
             UnknownName, InvalidValue: see Level.rows and HierarchySolver.solve.
