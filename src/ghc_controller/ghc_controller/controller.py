@@ -50,6 +50,7 @@ from ghc_controller.reporting import (
 )
 from ghc_controller.robot_config import RobotConfig, load_robot_config
 from ghc_controller.robots import find_robot
+from ghc_controller.task_curvature import second_order_terms
 from ghc_controller.task_stack import TaskStack
 from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_controller.warm_up import warm_up
@@ -274,6 +275,9 @@ class Controller:
             limits.obstacle_rows,
             limits.contact_rows,
             model.nv - model.na,
+            second_order_terms(self.stack, model)
+            if self.settings.optimization.second_order
+            else None,
         )
 
     def _begin_references(self) -> None:

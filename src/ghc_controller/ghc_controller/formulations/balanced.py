@@ -12,7 +12,8 @@ from ghc_controller.formulations.kernels import (
 )
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
-from ghc_controller.formulations.reduction import reduce_contacts
+from ghc_controller.formulations.reduction import ReducedProblem, reduce_contacts
+from ghc_controller.formulations.second_order import guarded_solve, projected_terms
 from ghc_controller.formulations.weight_kernels import weighted_system
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order
@@ -41,16 +42,19 @@ class BalancedGhc(Formulation):
         settings = self.settings
         reduced = reduce_contacts(problem)
         origin, wanted = reduced.about_rest(settings.velocity_damping)
-        moved, _ = balanced_target(
-            reduced.jacobian,
-            wanted,
-            problem.starts,
-            problem.alpha,
-            settings.regularization,
-            self.projector.rank_tolerance,
-            self.projector.layer_damping,
-            _GUARD * settings.regularization,
-        )
+        if problem.second_order is not None:
+            moved = self._second_order_target(reduced, origin, wanted)
+        else:
+            moved, _ = balanced_target(
+                reduced.jacobian,
+                wanted,
+                problem.starts,
+                problem.alpha,
+                settings.regularization,
+                self.projector.rank_tolerance,
+                self.projector.layer_damping,
+                _GUARD * settings.regularization,
+            )
         target = origin + moved
         answer = unbounded_answer(reduced, target)
         if answer is not None:
@@ -67,6 +71,24 @@ class BalancedGhc(Formulation):
         factor = inverse_factor(metric)
         parametrization = Parametrization.whitened(target, factor, problem.contacts)
         return solve_qp(reduced, parametrization, self.solver)
+
+    def _second_order_target(self, reduced: ReducedProblem, origin: Array, wanted: Array) -> Array:
+        """x* - y_0, [sum P_i (J_i^T J_i + S_i) + w I] x* = sum P_i (J_i^T b_i - kd S_i v)."""
+        source, w = reduced.source, self.settings.regularization
+        system, projectors = balanced_system(
+            reduced.jacobian,
+            source.starts,
+            source.alpha,
+            w,
+            self.projector.rank_tolerance,
+            self.projector.layer_damping,
+        )
+        curved, pull = projected_terms(reduced, projectors, origin)
+        right = -pull
+        for i in np.flatnonzero(np.diag(source.alpha) < 1.0):
+            part = slice(source.starts[i], source.starts[i + 1])
+            right += projectors[i] @ (wanted[part] @ reduced.jacobian[part])
+        return guarded_solve(system + curved, right, _GUARD * w)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
         """Smallest singular value of the system of x*, in units of w and with the sign of its det.

@@ -47,6 +47,7 @@ class FormulationSettings:
     weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
     rank_tolerance: float = 1e-4  # [-] of the largest singular value, hqp only
     hqp_damps_velocity: bool = False  # hqp damps x + kd v like the others, instead of x
+    second_order: bool = False  # (x + kd v)^T S (x + kd v) of every task beside |J x - b|^2
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
@@ -101,9 +102,18 @@ class Formulation(ABC):
 
     name: str
     layer_damping: float = 0.0  # [-] where the settings leave it open
+    takes_second_order: bool = True
     blends: bool = False  # answers each candidate of a mixture: can keep a torque-rate budget
 
     def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
+        """Raises InvalidValue where `second_order` is set and the formulation does not take it."""
+        if settings.second_order and not self.takes_second_order:
+            raise InvalidValue(
+                f"second_order: formulation {self.name} does not take it: its x = sum_i P_i nu_i "
+                "minimizes |J_i nu_i - b_i|^2 + w |nu_i|^2, and the identities that condense it, "
+                "such as J_i^T (J_i J_i^T + w I)^-1 b_i, do not hold with S_i; take cascade, "
+                "balanced, hqp or weighted"
+            )
         self.settings = settings
         self.solver = solver
         self.projector = settings.projector.with_default(self.layer_damping)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.formulations.second_order_terms import SecondOrder
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.types import Array, Bounds
@@ -61,6 +62,7 @@ class ControlProblem:
     rows: AccelerationRows | None = None  # soft rows
     contacts: ContactRows | None = None
     unactuated: int = 0
+    second_order: SecondOrder | None = None  # None: the tasks are linearized
 
     @property
     def alpha(self) -> Array:

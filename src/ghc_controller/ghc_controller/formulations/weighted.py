@@ -7,7 +7,8 @@ from ghc_controller.formulations.formulation import Formulation, Solution
 from ghc_controller.formulations.problem import ControlProblem
 from ghc_controller.formulations.qp_rows import Parametrization
 from ghc_controller.formulations.reduction import reduce_contacts
-from ghc_controller.formulations.weight_kernels import weighted_system
+from ghc_controller.formulations.second_order import weighted_terms
+from ghc_controller.formulations.weight_kernels import priority_weights, weighted_system
 from ghc_controller.small_factors import inverse_factor
 
 _LARGEST_WEIGHT = 1e6  # [-] of a task; ratio^s would be 1e18 for ten tasks
@@ -37,6 +38,10 @@ class Weighted(Formulation):
             _LARGEST_WEIGHT,
             settings.regularization,
         )
+        if problem.second_order is not None:
+            weights = priority_weights(problem.alpha, settings.weight_ratio, _LARGEST_WEIGHT)
+            curved, pull = weighted_terms(reduced, weights, origin)
+            hessian, right = hessian + curved, right - pull
         factor = inverse_factor(hessian)
         optimum = origin + factor @ (factor.T @ right)
         parametrization = Parametrization.whitened(optimum, factor, problem.contacts)
