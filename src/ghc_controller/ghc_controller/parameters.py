@@ -50,6 +50,9 @@ class ControllerParameters:
     hqp_damps_velocity: bool = parameter(
         False, "hqp uses velocity_damping as well; false = damping of the literature"
     )
+    second_order: bool = parameter(
+        False, "add the curvature of the tasks to every level; ghc and ghc_full reject it"
+    )
     layer_damping: float = parameter(
         -1.0,
         "[-] damped projector layers: continuous at rank changes; 0 = exact, "
@@ -116,6 +119,7 @@ class ControllerParameters:
                 null_damping=self.null_damping,
                 torque_regularization=TorqueRegularization(self.torque_regularization),
                 hqp_damps_velocity=self.hqp_damps_velocity,
+                second_order=self.second_order,
                 projector=ProjectorSettings(
                     layer_damping=None if self.layer_damping < 0.0 else self.layer_damping
                 ),

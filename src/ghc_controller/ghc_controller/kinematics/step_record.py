@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +21,3 @@ class StepRecord:
     active_changed: tuple[bool, ...]  # against the step before
     multipliers: dict[tuple[int, int], Array]  # (level i, level l) -> lambda_{i,l} (m_i,)
     unsolved: int = 0  # levels whose QP was not solved
-
-    def summary(self) -> dict[str, Any]:
-        """Norms of the residuals and numbers of active rows."""
-        return {
-            "residuals": [float(np.linalg.norm(w)) for w in self.residuals],
-            "active": [int(rows.sum()) for rows in self.active],
-            "unsolved": self.unsolved,
-        }
