@@ -13,6 +13,7 @@ from benchmarks.kinematics.variants import PAPER
 from ghc_sim_bridge.figure_style import colour, new_figure, save_png, styled
 
 ERRORS, HAND = "gn_qn_errors.png", "gn_qn_hand.png"
+_WIDTHS = {"gn_qn": 2.2}  # gn often lies on it
 _LEVELS = ("feet, left hand", "large box", "right hand", "small box")
 
 
@@ -29,7 +30,13 @@ def plot_errors(results: Mapping[str, Any], path: Path) -> None:
                     continue
                 trace = np.array(results[test][name]["trace"], dtype=float)
                 steps = planar_tests.TRACE * np.arange(len(trace))
-                ax.plot(steps, trace[:, end], color=colour(index), lw=0.9, label=name)
+                ax.plot(
+                    steps,
+                    trace[:, end],
+                    color=colour(index),
+                    lw=_WIDTHS.get(name, 0.9),
+                    label=name,
+                )
             ax.set_yscale("log")
             ax.set_title(f"{test}: end effector {end + 2}")
         axes[0].set_ylabel("norm of the error [m]")
@@ -50,7 +57,7 @@ def plot_hand(runs: Mapping[str, Any], path: Path) -> None:
             continue
         trace = np.array(runs[name]["trace"], dtype=float)
         steps = humanoid_test.TRACE * np.arange(len(trace))
-        top.plot(steps, np.maximum(trace[:, 0], 1e-12), color=colour(index), lw=0.9, label=name)
+        top.plot(steps, np.maximum(trace[:, 0], 1e-4), color=colour(index), lw=0.9, label=name)
         if name == "gn_qn":
             for level in range(len(_LEVELS)):
                 used = steps[trace[:, 1 + level] > 0.5]

@@ -60,7 +60,7 @@ def humanoid_table(results: Results) -> str:
             r = results[key][name]
             over = ["-"] * 3
             if base:
-                over = [f"{r[k] / base[k]:.3g}" for k in ("sigma", "hand", "cpu_us")]
+                over = [f"{r[k] / base[k]:.4g}" for k in ("sigma", "hand", "cpu_us")]
             rows.append([
                 key.partition("/")[2], name, f"{r['sigma']:.3g}", over[0], f"{r['hand']:.4g}",
                 over[1], f"{r['box_m']:.1e}",
