@@ -13,7 +13,7 @@ from ghc_sim_bridge.markdown import table as markdown_table
 NAME = "second_order"
 TITLE = "KUKA, second-order terms of the tasks"
 FORMULATIONS = ("balanced", "cascade")
-_KD = (0.0, 20.0)  # [1/s]
+_KD = (0.0, 10.0, 20.0)  # [1/s]
 _UNREACHABLE = 8.0  # [s]
 _QUICK_TIMING = Timing(ramp=0.02, hold=0.03)
 _QUICK_UNREACHABLE = 0.05  # [s]

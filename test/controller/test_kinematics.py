@@ -194,6 +194,12 @@ def test_the_secant_holds_and_the_matrix_stays_positive() -> None:
     assert 20 < updates < 80
 
 
+def test_an_update_that_would_overflow_is_left_out() -> None:
+    B, step, y = np.eye(2), np.array([1e-3, 0.0]), np.array([1e-8, 1e4])
+    assert not structured_update(B, y, step, 1e-12)
+    np.testing.assert_array_equal(B, np.eye(2))
+
+
 def test_the_root_is_that_of_the_positive_part() -> None:
     rng = np.random.default_rng(8)
     basis, _ = np.linalg.qr(rng.normal(size=(N, N)))

@@ -12,6 +12,8 @@ from benchmarks.kinematics.planar_robot import START, planar_robot
 from benchmarks.kinematics.planar_tests import planar_test, run_planar
 from benchmarks.kinematics.run import main
 from benchmarks.kinematics.variants import VARIANTS
+from benchmarks.unreachable_loop import run_unreachable
+from ghc_controller.formulations import FormulationSettings
 
 STEPS = 600
 
@@ -51,6 +53,17 @@ def test_gauss_newton_oscillates_out_of_reach() -> None:
     gn = run_planar(planar_test(7, STEPS), VARIANTS["gn"])
     assert gn["psi"] is None
     assert gn["sigma"] > 10.0
+
+
+@pytest.mark.parametrize("formulation", ["balanced", "cascade"])
+def test_second_order_terms_calm_a_torque_controlled_arm_out_of_reach(formulation: str) -> None:
+    """Rate limit off, damping w |x|^2, 1 ms: at most 1500 Nm/s, and above 5000 without them."""
+    rates = {}
+    for second_order in (False, True):
+        settings = FormulationSettings(velocity_damping=0.0, second_order=second_order)
+        rates[second_order] = run_unreachable(formulation, settings, 2.0)["torque_rate"]
+    assert rates[True] <= 1500.0
+    assert rates[False] > 5000.0
 
 
 def test_the_program_runs_in_small_and_writes_its_document(tmp_path: Path) -> None:

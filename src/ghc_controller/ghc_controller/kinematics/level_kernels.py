@@ -13,6 +13,7 @@ from ghc_controller.types import Array
 
 _NO_ROW = 1e-8  # [-] a bound row shorter than this in the null space cannot be influenced
 _ROUNDING = 1e-8  # [rad], [m] violation with which an answer still counts as solved
+_LARGEST = 1e12  # [-] of what one update adds: beyond it rounding is all that is left
 _PIVOTS = 500
 
 
@@ -128,11 +129,14 @@ def positive_root(matrix: Array) -> Array:  # pragma: no cover
 def structured_update(
     B: Array, y: Array, step: Array, curvature: float
 ) -> bool:  # pragma: no cover
-    """BFGS of B (n, n) in place, eq. 11; False without a change where y^T dq <= curvature."""
+    """BFGS of B (n, n) in place, eq. 11.
+
+    False, without a change, where y^T dq <= curvature or the update is too large to be added.
+    """
     along = y @ step
     moved = B @ step
     size = step @ moved
-    if not (along > curvature and size > 1e-300):
+    if not (along > curvature and size > 1e-300 and (y @ y) < _LARGEST * along):
         return False
     for i in range(y.shape[0]):
         for j in range(y.shape[0]):
