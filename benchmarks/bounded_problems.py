@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.random_tasks import strict_matrix
-from benchmarks.reference_cascade import hard_cascade
+from benchmarks.reference_cascade import Damping, hard_cascade
 from ghc_controller.formulations import ControlProblem
 from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array, Bounds
@@ -52,7 +52,7 @@ class BoundedProblem(NamedTuple):
         finite = np.isfinite(lower)
         return C[finite], lower[finite], upper[finite]
 
-    def hard_cascade(self, w: float, bounded: bool = True) -> tuple[Array, Array] | None:
+    def hard_cascade(self, w: float | Damping, bounded: bool = True) -> tuple[Array, Array] | None:
         """Reference answer and residuals, damped by w; see reference_cascade."""
         C, lower, upper = self.rows()
         if not bounded:

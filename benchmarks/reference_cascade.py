@@ -6,7 +6,7 @@ Its QP is not one of the stack's solvers: least distance programming by non-nega
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -60,15 +60,21 @@ def _least_distance(G: Array, h: Array) -> Array | None:
     return np.asarray(s * scale)
 
 
+Damping = Callable[[Array, Array, Array], float]
+
+
 def hard_cascade(
     jacobians: Sequence[Array],
     targets: Sequence[Array],
-    w: float,
+    w: float | Damping,
     C: Array,
     lower: Array,
     upper: Array,
 ) -> tuple[Array, Array] | None:
     """Lexicographic least squares, all bounds hard at every level, damped by w per level.
+
+    w may be a rule for the damping, of the rows J, of what the levels above leave of them, and of
+    the residual.
 
     Level l: min |J_l (x + Z u) - b_l|^2 + w |u|^2 subject to the bounds, then x += Z u and Z
     becomes the null space of all levels so far.
@@ -82,8 +88,14 @@ def hard_cascade(
         if null.shape[1] == 0:
             break
         local, reached = J @ null, C @ x
+        damping = w(J, local, b - J @ x) if callable(w) else w
         u = bounded_least_squares(
-            local, b - J @ x, w, C @ null, lower - reached - widened, upper - reached + widened
+            local,
+            b - J @ x,
+            damping,
+            C @ null,
+            lower - reached - widened,
+            upper - reached + widened,
         )
         if u is None:
             if widened == 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+import ghc_controller
 from benchmarks.studies import Study, StudyWithFigure
 from ghc_controller.types import Array
 from ghc_sim_bridge.markdown import picture
@@ -30,18 +32,27 @@ def store(folder: Path, name: str, result: Mapping[str, Any]) -> dict[str, Any]:
     """Write a result to <folder>/<name>.json and return what stands there now.
 
     Formulations that were not run are kept from the file, provided that its facts (sizes, seeds)
-    are the same; otherwise the file is replaced.
+    and the sources of the controller are the same; otherwise the file is replaced.
     """
     path = folder / f"{name}.json"
-    new = rounded(result)
+    new = rounded(result) | {"sources": sources()}
     if path.exists():
         old = json.loads(path.read_text(encoding="utf-8"))
-        if old["facts"] == new["facts"]:
+        if all(old.get(part) == new[part] for part in ("facts", "sources")):
             new["formulations"] = old["formulations"] | new["formulations"]
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(new, indent=1, sort_keys=True, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")
     return json.loads(text)
+
+
+def sources() -> str:
+    """Digest of the controller's code: results of different code do not stand in one table."""
+    package = Path(ghc_controller.__file__).parent
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*.py"), key=lambda path: path.name):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def rounded(value: Any) -> Any:

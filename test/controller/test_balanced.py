@@ -130,11 +130,16 @@ def test_ramps_between_orders_are_refused_only_where_torques_jump() -> None:
     assert 0 < refused < 10
 
 
-def test_no_task_at_all_is_refused() -> None:
-    """Somebody has to say where to go."""
+@pytest.mark.parametrize("name", ["balanced", "cascade"])
+def test_without_a_task_all_joints_brake(name: str) -> None:
+    """x = -kd v, and the target is accepted."""
     problem = random_problem(np.random.default_rng(44), 7, [3, 3], strict_alpha(2))
-    solvability = make_formulation("balanced").solvability(problem.jacobian, problem.starts)
-    assert solvability.measure(np.ones((2, 2))) == 0.0
+    removed = replace(problem, priorities=Priorities.of(np.ones((2, 2))), velocity=np.ones(7))
+    formulation = make_formulation(name)
+    solvability = formulation.solvability(problem.jacobian, problem.starts)
+    assert solvability.measure(np.ones((2, 2))) == 1.0
+    wanted = -formulation.settings.velocity_damping * removed.velocity
+    assert np.allclose(formulation.solve(removed).acceleration, wanted, rtol=0, atol=1e-9)
 
 
 def test_layers_are_damped_unless_told_otherwise() -> None:

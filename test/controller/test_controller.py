@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
+import pytest
 
 from ghc_controller.controller import Controller
-from ghc_controller.types import Array, RobotState
+from ghc_controller.formulations import SolutionStatus
+from ghc_controller.types import Array, Bounds, RobotState
 
 
 def _arrays(value: object) -> list[Array]:
@@ -34,3 +36,65 @@ def test_a_problem_outlives_the_next_step() -> None:
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(before, after, strict=True))
     moved = _arrays(controller.problem())
     assert not all(np.array_equal(a, b) for a, b in zip(before, moved, strict=True))
+
+
+@pytest.mark.parametrize("robot", ["kuka_lwr", "icub"])
+def test_after_a_reset_the_same_run_gives_the_same_torques(robot: str) -> None:
+    """Noisy states, many active bounds, 60 steps: nothing of the first run is left. Seed 0."""
+    controller = Controller.for_robot(robot)
+    first = _noisy_run(controller)
+    controller.reset()
+    assert np.array_equal(_noisy_run(controller), first)
+    controller.warm_up()
+    assert np.array_equal(_noisy_run(controller), first)
+
+
+def _noisy_run(controller: Controller) -> Array:
+    rng = np.random.default_rng(0)
+    start, n, a = _neutral(controller), controller.model.nv, controller.model.na
+    torques = []
+    for tick in range(60):
+        q = start.copy()
+        q[-a:] += 0.05 * rng.normal(size=a)
+        torques.append(
+            controller.step(RobotState(1e-3 * tick, q, 0.3 * rng.normal(size=n))).torque
+        )
+    return np.array(torques)
+
+
+def test_matrices_are_judged_alike_before_and_after_steps() -> None:
+    """`solvability` knows the contacts of the state that was looked at. Seed 1."""
+    rng = np.random.default_rng(1)
+    fresh, used = Controller.for_robot("icub"), Controller.for_robot("icub")
+    used.warm_up()
+    state = RobotState(0.0, _neutral(used), np.zeros(used.model.nv))
+    for controller in (fresh, used):
+        controller.observe(state)
+    k = len(fresh.robot.tasks)
+    for _ in range(10):
+        alpha = (rng.random((k, k)) < 0.3).astype(float)
+        np.fill_diagonal(alpha, 0.0)
+        before = fresh.solvability().measure(alpha)
+        assert before == used.solvability().measure(alpha)
+    fresh.step(state)
+    assert fresh.solvability().measure(alpha) == pytest.approx(before, rel=1e-9)
+
+
+def test_a_problem_can_be_solved_again_and_again_after_a_step() -> None:
+    """The pivots of a step end with it."""
+    controller = Controller.for_robot("kuka_lwr")
+    q, v = np.full(7, 0.4), np.zeros(7)
+    controller.step(RobotState(0.0, q, v))
+    problem = controller.problem()
+    near = Bounds(problem.bias - 0.1, problem.bias + 0.1)
+    tight = replace(problem, torque=near, torque_limit=near)
+    for _ in range(1000):
+        assert controller.formulation.solve(tight).status is not SolutionStatus.FAILED
+
+
+def _neutral(controller: Controller) -> Array:
+    """Configuration of zeros, with the quaternion of a floating base at one."""
+    q = np.zeros(controller.model.nq)
+    if controller.model.floating_base:
+        q[6] = 1.0
+    return q

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -179,3 +181,53 @@ def test_orders_are_told_from_other_matrices() -> None:
     leaving[1, 0], leaving[1, 1] = 1.0, 0.4
     for alpha in (cycle, part, one_sided, leaving):
         assert not is_order(alpha)
+
+
+@pytest.mark.parametrize("profile", list(Profile))
+def test_a_ramp_that_is_done_is_done(profile: Profile) -> None:
+    """One candidate is left, whatever the rounding of start + duration: 2000 pairs, seed 8."""
+    rng = np.random.default_rng(8)
+    for start, duration in np.round(rng.uniform(0.0, 3.0, size=(2000, 2)), 3):
+        schedule = _schedule()
+        schedule.add(Transition(ORDERS[5], float(start), float(duration), profile), 0.0)
+        schedule.advance(float(start))
+        schedule.advance(float(start) + 0.5 * float(duration))
+        for candidate in schedule.in_force.candidates:
+            assert 0.0 <= candidate.share <= 1.0
+        schedule.advance(float(start) + float(duration))
+        schedule.advance(10.0)
+        assert [candidate.share for candidate in schedule.in_force.candidates] == [1.0]
+        assert np.array_equal(schedule.alpha, ORDERS[5].alpha)
+
+
+def test_a_budget_is_spent_once_per_time() -> None:
+    """A state that is answered again goes from where the ramp stood at that time."""
+    rng = np.random.default_rng(2)
+    answers = [rng.normal(size=7), rng.normal(size=7)]
+    schedule = _schedule()
+    schedule.add(Transition(ORDERS[5], 0.0, 0.0, torque_rate=100.0), 0.0)
+    progress = []
+    for time in (0.0, 0.0, 0.0, PERIOD, PERIOD, 2 * PERIOD):
+        schedule.advance(time)
+        paced = schedule.pace(time, PERIOD)
+        assert isinstance(paced, PacedPriorities)
+        schedule.settle(paced.progress(answers), time)
+        progress.append(schedule.in_force.candidates[-1].share)
+    assert progress[0] > 0.0
+    assert progress == pytest.approx([progress[0] * n for n in (1, 1, 1, 2, 2, 3)], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "change", [{"torque_rate": 10.0}, {"duration": 1.0}, {"profile": Profile.LINEAR}]
+)
+def test_another_ramp_to_the_same_target_is_no_repeat(change: dict[str, Any]) -> None:
+    schedule = _schedule()
+    first = Transition(ORDERS[5], 0.0, 2.0)
+    schedule.add(first, 0.0)
+    assert schedule.is_repeat(first)
+    assert not schedule.is_repeat(replace(first, **change))
+    schedule.advance(0.5)
+    assert schedule.is_repeat(replace(first, start=0.5))
+    assert not schedule.is_repeat(replace(first, start=0.5, **change))
+    schedule.advance(2.0)
+    assert schedule.is_repeat(replace(first, start=2.0, **change))  # the target is in force

@@ -226,3 +226,24 @@ def test_a_step_has_a_budget(name: str) -> None:
             pivots += [result.iterations for result in results]
         runs.append(pivots)
     assert runs[0] == runs[1]
+
+
+@pytest.mark.parametrize("n", [3, 6, 9, 12])
+def test_a_degenerate_vertex_is_no_conflict(n: int) -> None:
+    """No normal force under friction pyramids: only zero is left, more rows meet there than fit.
+
+    60 rotated problems, seeds 0 to 59.
+    """
+    pyramid = np.array([[0, 0, 1], [1, 0, -0.5], [-1, 0, -0.5], [0, 1, -0.5], [0, -1, -0.5]])
+    rows = np.kron(np.eye(n // 3), pyramid / np.linalg.norm(pyramid, axis=1)[:, None])
+    lower = np.tile([0.0, -np.inf, -np.inf, -np.inf, -np.inf], n // 3)
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        rotated = rows @ np.linalg.qr(rng.normal(size=(n, n)))[0]
+        linear = 50.0 * rng.normal(size=n)
+        problem = QpProblem(
+            np.eye(n), linear, np.zeros((0, n)), np.zeros(0), rotated, lower, np.zeros(len(rows))
+        )
+        result = DualSolver(SETTINGS).solve(problem)
+        assert result.status is QpStatus.SOLVED
+        assert np.abs(result.x).max() < 1e-8

@@ -37,7 +37,7 @@ def test_a_study_runs_in_small_and_shows_what_it_measured(name: str, tmp_path: P
     formulation = study.FORMULATIONS[0]
     folder = tmp_path / "study"
     result = store(folder, name, study.run(True, (formulation,)))
-    assert set(result) == {"facts", "formulations"}
+    assert set(result) == {"facts", "formulations", "sources"}
     assert set(result["formulations"]) == {formulation}
     table = study.table(result)
     sentence, _, rows = table.partition("\n\n")
@@ -71,6 +71,10 @@ def test_one_formulation_can_be_run_alone(tmp_path: Path) -> None:
     store(tmp_path, "some", {"facts": facts, "formulations": {"a": {"x": 1.0}, "b": {"x": 2.0}}})
     merged = store(tmp_path, "some", {"facts": facts, "formulations": {"b": {"x": 3.0}}})
     assert merged["formulations"] == {"a": {"x": 1.0}, "b": {"x": 3.0}}
+    file = tmp_path / "some.json"
+    file.write_text(file.read_text(encoding="utf-8").replace(merged["sources"], "older"))
+    after = store(tmp_path, "some", {"facts": facts, "formulations": {"a": {"x": 1.0}}})
+    assert set(after["formulations"]) == {"a"}  # b was measured with other code
     other = {"facts": {"seed": 2}, "formulations": {"b": {"x": 3.0}}}
     assert set(store(tmp_path, "some", other)["formulations"]) == {"b"}
 

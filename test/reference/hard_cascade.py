@@ -45,7 +45,7 @@ Damping = Callable[[Array, Array, Array], float]
 def kept_damping(w: float) -> Damping:
     """Damping of rows J (m, d), what the levels above leave, A (m, d), and r = b - J y (m,).
 
-    w (1 - kept (1 - s)) + (1 - kept) min(|r|^2 / 100^2, 4 w), s = min(1, |J| / sqrt(m)), kept =
+    w (1 - kept (1 - s)) + (1 - kept) min(|r|^2 / 200^2, 4 w), s = min(1, |J| / sqrt(m)), kept =
     |A|^2 / |J|^2: the rule of docs/architecture.md, written anew.
     """
 
@@ -53,7 +53,7 @@ def kept_damping(w: float) -> Damping:
         size = float(np.linalg.norm(rows))
         kept = min(1.0, (float(np.linalg.norm(left)) / size) ** 2)
         length = min(1.0, size / np.sqrt(len(rows)))
-        pull = min(float(residual @ residual) / 1e4, 4.0 * w)
+        pull = min(float(residual @ residual) / 4e4, 4.0 * w)
         return w * (1.0 - kept * (1.0 - length)) + (1.0 - kept) * pull
 
     return damping

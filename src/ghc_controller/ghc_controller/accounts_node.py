@@ -34,7 +34,7 @@ class Accounts:
         self._rejections = rejections
         self._period_ns = round(NANOSECONDS / state_rate)
         self._due_ns = 0
-        self._shown_matrix: tuple[bytes, bool, int] | None = None
+        self._shown_matrix: tuple[bytes, tuple[float, ...], bool, int] | None = None
         self._state = node.create_publisher(ControllerState, "ghc/controller_state", STREAM_QOS)
         self._matrix = node.create_publisher(PriorityMatrix, "ghc/priority_matrix", LATCHED_QOS)
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -51,7 +51,8 @@ class Accounts:
         if self._state.get_subscription_count():
             self._publish_state()
         priorities = self._controller.priorities
-        shown = (priorities.alpha.tobytes(), priorities.in_transition, epoch)
+        shares = tuple(candidate.share for candidate in priorities.in_force.candidates)
+        shown = (priorities.alpha.tobytes(), shares, priorities.in_transition, epoch)
         if shown != self._shown_matrix:  # latched: who comes later gets the last one
             self._shown_matrix = shown
             self._matrix.publish(matrix_message(priorities, stamp_ns / NANOSECONDS))

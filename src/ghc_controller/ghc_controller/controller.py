@@ -99,8 +99,10 @@ class Controller:
         self._applied: Array | None = None
         self._last: StepResult | None = None
         self._limits: Limits | None = None
+        self._contact_rows_seen: ContactRows | None = None  # of the last state looked at
         self._events: list[TransitionEvent] = []
         self.counts = {"qp_failures": 0, "fallback_ticks": 0, "relaxed_ticks": 0, "stale_ticks": 0}
+        self.counts["dropped_levels"] = 0
         self.counts |= self.formulation.solver.counts
 
     @classmethod
@@ -125,8 +127,11 @@ class Controller:
         self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
+        self.formulation.solver.reset()
         self._applied = None
         self._last = None
+        self._limits = None
+        self._contact_rows_seen = None
         self._events.clear()
 
     def schedule_of(self, task: str) -> ReferenceSchedule:
@@ -176,6 +181,8 @@ class Controller:
         self.model.update(state.q, state.v)
         self._begin_references()
         self.stack.update(self.model, state, self.references)
+        planned = self.force_bounds.at(state.time)
+        self._contact_rows_seen = self._contact_rows(planned, state.time)
 
     def step(self, state: RobotState) -> StepResult:
         """Torque for one robot state; never raises for what a robot can be in."""
@@ -190,6 +197,7 @@ class Controller:
         applied = self._applied if state.torque is None else state.torque
         self.contacts.begin(state.time)
         limits = self._limits = self._update_limits(dynamics, state, applied)
+        self._contact_rows_seen = limits.contact_rows
         after_terms = perf_counter()
         self.formulation.solver.begin_step()
         solution = solve_settled(
@@ -199,6 +207,7 @@ class Controller:
             limits.normal_bounds.active,
             partial(self._contact_rows, limits.normal_bounds, state.time),
         )
+        self.formulation.solver.end_step()
         after_solve = perf_counter()
         status = StepStatus.after(solution.status)
         if status is StepStatus.FALLBACK:
@@ -213,7 +222,7 @@ class Controller:
                 status = StepStatus.RELAXED
         gated = self.gate.apply(torque, applied, dynamics, state.v)
         self._applied = gated.torque
-        self._count(status)
+        self._count(status, solution.levels_dropped)
         self._last = StepResult(
             state.time,
             gated.torque,
@@ -313,14 +322,15 @@ class Controller:
         )
 
     def solvability(self) -> Solvability:
-        """What transitions must keep at this configuration, in the contacts of the last step."""
-        jacobian, limits = self.stack.jacobian, self._limits
-        if limits is not None and limits.contact_rows is not None:
-            jacobian = kept_by_contacts(jacobian, limits.contact_rows.jacobian)
+        """What transitions must keep, in the configuration and contacts last looked at."""
+        jacobian, contacts = self.stack.jacobian, self._contact_rows_seen
+        if contacts is not None:
+            jacobian = kept_by_contacts(jacobian, contacts.jacobian)
         return self.formulation.solvability(jacobian, self.stack.starts)
 
-    def _count(self, status: StepStatus) -> None:
+    def _count(self, status: StepStatus, levels_dropped: int) -> None:
         self.counts |= self.formulation.solver.counts
+        self.counts["dropped_levels"] += levels_dropped
         if status is StepStatus.FALLBACK:
             self.counts["qp_failures"] += 1
             self.counts["fallback_ticks"] += 1

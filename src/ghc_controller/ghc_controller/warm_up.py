@@ -10,6 +10,8 @@ import numpy as np
 from ghc_controller.constraints.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
 from ghc_controller.contacts import ForceBoundsPlan, PlanStatus
 from ghc_controller.formulations import ControlProblem
+from ghc_controller.hierarchy.priorities import Priorities
+from ghc_controller.hierarchy.ramp import PacedPriorities, Ramp
 from ghc_controller.reference import ReferenceTrajectory
 from ghc_controller.robot_model import RobotModel
 from ghc_controller.tasks.task import Task
@@ -47,7 +49,13 @@ def warm_up(controller: Controller) -> None:
     _relax(controller, replace(problem, torque=tight, torque_limit=tight))
     controller.sigma_min_of(controller.priorities.alpha)
     k = len(controller.robot.tasks)
-    controller.solvability().measure(np.full((k, k), 0.25))
+    no_order = np.full((k, k), 0.25)
+    controller.formulation.solve(replace(problem, priorities=Priorities.of(no_order)))
+    if controller.formulation.blends:
+        ramp = Ramp(problem.priorities.candidates, no_order)
+        paced = PacedPriorities.on(ramp, 0.0, 1.0, 1.0)
+        controller.formulation.solve(replace(problem, priorities=paced))
+    controller.solvability().measure(no_order)
     controller.reset()
 
 

@@ -34,6 +34,9 @@ def solve_settled(
         active: (contacts,) which of them are on.
         rows: those of `problem.contacts` anew, with the forces that were remembered last.
     """
+    name = problem.not_finite()
+    if name:
+        return Solution.without_answer(problem, f"{name} of the control problem is not finite")
     solution = formulation.solve(problem)
     contacts.remember(active, solution.force)
     if contacts.knows_forces(active):
@@ -42,9 +45,10 @@ def solve_settled(
         if solution.status is SolutionStatus.FAILED:
             break
         contacts.advance()
+        capped = formulation.solver.counts["capped"]
         again = formulation.solve(replace(problem, contacts=rows()))
-        if again.status is SolutionStatus.FAILED:
-            break
+        if again.status is SolutionStatus.FAILED or formulation.solver.counts["capped"] > capped:
+            break  # the answer before it is complete
         contacts.remember(active, again.force)
         change, solution = np.abs(again.torque - solution.torque).max(), again
         if change < _SETTLED:

@@ -81,20 +81,6 @@ def _excess(value: Array, lower: Array, upper: Array) -> Array | None:
     return np.maximum(np.maximum(lower - value, value - upper), 0.0)
 
 
-def no_answer(reduced: ReducedProblem, reason: str) -> Solution:
-    """Solution of a problem without an answer: NaN, and the reason in words."""
-    source = reduced.source
-    return Solution(
-        np.full(source.bias.shape[0], np.nan),
-        np.zeros(0),
-        np.full(reduced.torque_offset.shape[0], np.nan),
-        SolutionStatus.FAILED,
-        True,
-        violation=np.inf,
-        reason=reason,
-    )
-
-
 def in_words(result: QpResult) -> str:
     """Why an answer was not accepted."""
     if result.found:

@@ -42,9 +42,10 @@ class BalancedGhc(Formulation):
         settings = self.settings
         reduced = reduce_contacts(problem)
         origin, wanted = reduced.about_rest(settings.velocity_damping)
-        if problem.second_order is not None:
-            moved = self._second_order_target(reduced, origin, wanted)
-        else:
+        target = origin
+        if problem.second_order is not None and len(origin):
+            target = origin + self._second_order_target(reduced, origin, wanted)
+        elif len(origin):  # contacts may leave no motion
             moved, _ = balanced_target(
                 reduced.jacobian,
                 wanted,
@@ -55,7 +56,7 @@ class BalancedGhc(Formulation):
                 self.projector.layer_damping,
                 _GUARD * settings.regularization,
             )
-        target = origin + moved
+            target = origin + moved
         answer = unbounded_answer(reduced, target)
         if answer is not None:
             return answer
@@ -99,9 +100,7 @@ class BalancedGhc(Formulation):
         w, projector = self.settings.regularization, self.projector
 
         def measure(alpha: Array) -> float:
-            if (np.diag(alpha) >= 1.0).all():
-                return 0.0  # no task is left
-            if is_order(alpha):
+            if is_order(alpha):  # also of no task: all joints brake
                 return 1.0
             system, _ = balanced_system(
                 jacobian, starts, alpha, w, projector.rank_tolerance, projector.layer_damping

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ghc_controller.formulations.acceptance import accept, in_words, judged, no_answer
+from ghc_controller.formulations.acceptance import accept, in_words, judged
 from ghc_controller.formulations.box_kernels import is_inside, rows_inside, torques_inside
 from ghc_controller.formulations.formulation import NO_FORCE, Solution, SolutionStatus
 from ghc_controller.formulations.problem import ControlProblem
@@ -94,7 +94,7 @@ def solve_qp(
         return answer
     reason = in_words(result)
     if result.reason:  # not finite, or no pivot left: nothing further can be solved
-        return no_answer(reduced, reason)
+        return Solution.without_answer(source, reason)
     for torque, with_forces in _stages(source):
         relaxation = relax(reduced, parametrization, solver, torque, with_forces)
         if relaxation is None:
@@ -102,17 +102,21 @@ def solve_qp(
         answer = _within(reduced, relaxation, parametrization, solver, torque, cost)
         if answer is not None:
             return answer
-    return no_answer(reduced, reason)
+    return Solution.without_answer(source, reason)
 
 
 def _stages(source: ControlProblem) -> list[tuple[Bounds, bool]]:
     """Torque box, and whether normal force bounds give way too, in the order of giving way."""
     stages = [(source.torque, False)]
-    if source.torque_limit is not source.torque:
+    if _differ(source.torque_limit, source.torque):
         stages.append((source.torque_limit, False))
     if source.contacts is not None and source.contacts.bounds:
         stages.append((source.torque_limit, True))
     return stages
+
+
+def _differ(one: Bounds, other: Bounds) -> bool:
+    return not (np.array_equal(one.lower, other.lower) and np.array_equal(one.upper, other.upper))
 
 
 def _within(
@@ -140,7 +144,7 @@ def _within(
     )
     if whole <= VIOLATION_TOLERANCE and not reason:  # nothing gave way that counts
         return answer._replace(violation=whole)
-    gave_way = torque is not reduced.source.torque
+    gave_way = _differ(torque, reduced.source.torque)
     return answer._replace(status=SolutionStatus.RELAXED, rate_gave_way=gave_way, reason=reason)
 
 

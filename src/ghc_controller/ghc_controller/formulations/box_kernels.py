@@ -127,12 +127,3 @@ def is_outside(
     for r in range(value.shape[0]):
         outside = outside or max(lower[r] - value[r], value[r] - upper[r]) > tolerance
     return outside
-
-
-@njit(cache=True)
-def box_answer(
-    s: Array, x: Array, factor: Array, matrix: Array, offset: Array
-) -> tuple[Array, Array]:  # pragma: no cover
-    """Accelerations (d,) and torques (a,) of the variables s (p,)."""
-    answer = affine(factor, s, x)
-    return answer, affine(matrix, answer, offset)

@@ -44,7 +44,6 @@ from ghc_controller.qp import QpSolver
 from ghc_controller.small_factors import inverse_factor
 from ghc_controller.types import Array
 
-_NO_ROWS = np.zeros(0, dtype=np.int64)
 _EMPTY = np.zeros((0, 0))
 _NONE = np.zeros(0)
 _ORDERS_KEPT = 64
@@ -69,10 +68,10 @@ class Cascade(Formulation):
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         contact_free, forces = balanced_contacts(reduce_contacts(problem))
-        answers = [
-            self._answer(contact_free, forces, candidate.alpha)
-            for candidate in problem.priorities.candidates
-        ]
+        candidates, answers = problem.priorities.candidates, []
+        for index, candidate in enumerate(candidates):
+            self.solver.begin_part(len(candidates) - index)  # none takes the pivots of another
+            answers.append(self._answer(contact_free, forces, candidate.alpha))
         return blend(answers, problem.priorities)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
@@ -107,8 +106,8 @@ class Order(NamedTuple):
     @classmethod
     def of(cls, alpha: Array, starts: Starts) -> Order:
         """Order of a matrix (k, k); without an active task one level that has no row."""
-        parts = [rows_of(starts, level) for level in levels(alpha)] or [_NO_ROWS]
-        tasks = tuple(tuple(level) for level in levels(alpha)) or ((),)
+        tasks = tuple(tuple(level) for level in levels(alpha) or [[]])
+        parts = [rows_of(starts, level) for level in tasks]
         return cls(np.concatenate(parts), np.cumsum([len(part) for part in parts]), tasks)
 
 
@@ -159,7 +158,7 @@ class _Descent:
             if best is None and found.status is SolutionStatus.FAILED:
                 return found
             if best is not None and not keeps_bounds(self.given, best.status, found):
-                return best
+                return best._replace(levels_dropped=count - free)
             best = _after(best, found)
             self.y = reduced_acceleration(self.reduced, found.acceleration)
             self.reduced = keep_feasible(self.reduced, found)
@@ -194,7 +193,7 @@ class _Descent:
             if best is None and found.status is SolutionStatus.FAILED:
                 return found
             if best is not None and not keeps_bounds(self.given, best.status, found):
-                return best
+                return best._replace(levels_dropped=len(self.tasks) - level)
             best = _after(best, found)
             self.y = reduced_acceleration(self.reduced, found.acceleration)
             if found.qp_solved:

@@ -25,7 +25,7 @@ Balance = tuple[Array, Array, Array, Array, Array]
 # General rows (g, n), rows on forces (r, c), and the bounds (n + a + g + r,) of x, tau and these.
 Rows = tuple[Array, Array, Array, Array]
 _SHORTEST = 1e-4  # [-] length of rows below which the damping falls no further
-_LARGEST = 50.0  # [rad/s^2] that a level asks for along a direction that it is losing
+_LARGEST = 100.0  # [rad/s^2] that a level asks for along a direction that it is losing
 _MOST = 4.0  # [-] of w that is added for it at most
 
 
@@ -38,7 +38,8 @@ def level_damping(
     w (1 - kept (1 - s)) + (1 - kept) min(|r|^2 / (2 a)^2, 4 w), with kept = |A|^2 / |J|^2 and
     s = min(1, |J| / sqrt(m)). A task of short rows, such as a center of mass, keeps its gains as
     far as it keeps its directions. Along a direction that is being lost no level asks for more
-    than |r| / (2 sqrt(w)): the second term brings that down to a.
+    than |r| / (2 sqrt(w)): the second term brings that down to a while |r| is below 40 (rows in
+    rad/s^2, m/s^2 and N count alike).
     """
     m = max(jacobian.shape[0], 1)
     whole = np.sum(jacobian * jacobian)

@@ -30,6 +30,16 @@ class TorqueRegularization(Enum):
     ZERO = "zero"  # tau
 
 
+_POSITIVE = (
+    "regularization",
+    "torque_weight",
+    "null_damping",
+    "metric_ratio",
+    "weight_ratio",
+    "rank_tolerance",
+)
+
+
 @dataclass(frozen=True, slots=True)
 class FormulationSettings:
     """Numbers shared by the formulations.
@@ -51,9 +61,9 @@ class FormulationSettings:
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
-        for name in ("regularization", "null_damping", "metric_ratio", "weight_ratio"):
+        for name in _POSITIVE:
             value = getattr(self, name)
-            if not value > 0.0:
+            if not (np.isfinite(value) and value > 0.0):
                 raise InvalidValue(f"{name} = {value} given, a positive number expected")
         if not (np.isfinite(self.velocity_damping) and self.velocity_damping >= 0.0):
             raise InvalidValue(
@@ -88,12 +98,27 @@ class Solution(NamedTuple):
     force_slack: Array | None = None  # (r,) by how far the rows on contact forces gave way [N]
     rate_gave_way: bool = False
     progress: float = 0.0  # [-] of a ramp with a torque-rate budget
+    levels_dropped: int = 0  # last levels that have no part in it: no pivot was left for them
     violation: float = 0.0  # [rad/s^2], [Nm] or [N] largest one of a row, what gave way aside
     reason: str = ""  # in words, where the status is FAILED or the answer is feasible and no more
 
     @classmethod
+    def without_answer(cls, problem: ControlProblem, reason: str) -> Solution:
+        """No answer to a problem: NaN, and the reason in words."""
+        n = problem.bias.shape[0]
+        return cls(
+            np.full(n, np.nan),
+            np.zeros(0),
+            np.full(n - problem.unactuated, np.nan),
+            SolutionStatus.FAILED,
+            True,
+            violation=np.inf,
+            reason=reason,
+        )
+
+    @classmethod
     def unbounded(cls, acceleration: Array, torque: Array, force: Array = NO_FORCE) -> Solution:
-        """The unconstrained optimum of a fixed base, which met every bound."""
+        """The unconstrained optimum, which met every bound: no QP was needed."""
         return cls(acceleration, force, torque, SolutionStatus.SOLVED, qp_solved=False)
 
 

@@ -50,11 +50,12 @@ class Hqp(Formulation):
             y, _ = reduced.about_rest(settings.velocity_damping)
         answer: Solution | None = None
         worst = SolutionStatus.SOLVED
-        order = levels(problem.alpha)
+        order = levels(problem.alpha) or [[]]  # without an active task a level of no row
         above = np.zeros(len(problem.target))  # 1 for rows of the levels before
         for depth, level in enumerate(order):
             is_last = depth + 1 == len(order)
-            if null.shape[1] == 0 and not (is_last and forces.free.shape[1]):
+            moves = null.shape[1] > 0 or answer is None
+            if not (moves or (is_last and forces.free.shape[1])):
                 continue  # no motion is left; the last level still chooses the forces
             index = rows_of(problem.starts, level)
             rows, target = reduced.jacobian[index], reduced.target[index]
@@ -78,7 +79,9 @@ class Hqp(Formulation):
             if answer is None and found.status is SolutionStatus.FAILED:
                 return found
             if answer is not None and not keeps_bounds(problem, worst, found):
-                break  # no pivot left, or rounding: keep the answer of the level above
+                # No pivot left, or rounding: keep the answer of the level above.
+                answer = answer._replace(levels_dropped=len(order) - depth)
+                break
             worst = max(worst, found.status, key=lambda status: status.value)
             first = found if answer is None else answer
             answer = found._replace(
@@ -91,14 +94,13 @@ class Hqp(Formulation):
             )
             y = reduced_acceleration(reduced, found.acceleration)
             reduced, null = keep_feasible(reduced, found), below
-        if answer is None:
-            raise ValueError("hqp needs at least one active task")
+        assert answer is not None
         return answer._replace(status=worst)
 
 
 def _null_space(rows: Array, rank_tolerance: float) -> Array:
-    if rows.shape[1] == 0:
-        return np.zeros((0, 0))
+    if rows.size == 0:
+        return np.eye(rows.shape[1])
     _, sigma, right = np.linalg.svd(rows, full_matrices=True)
     rank = int(np.sum(sigma > rank_tolerance * max(float(sigma[0]), 1e-300)))
     return right[rank:].T

@@ -24,7 +24,8 @@ _KEEP_FEASIBLE = 2e-8  # [rad/s^2], [Nm], [N] widening that keeps the answer of 
 
 def rows_of(starts: Starts, tasks: Sequence[int]) -> Starts:
     """Indices of the rows of these tasks, (m,)."""
-    return np.concatenate([np.arange(starts[i], starts[i + 1]) for i in tasks])
+    parts = [np.arange(starts[i], starts[i + 1]) for i in tasks]
+    return np.concatenate(parts) if parts else np.zeros(0, dtype=np.int64)
 
 
 def reduced_acceleration(reduced: ReducedProblem, x: Array) -> Array:

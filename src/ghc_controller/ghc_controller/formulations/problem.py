@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -68,6 +69,29 @@ class ControlProblem:
     def alpha(self) -> Array:
         """(k, k) priority matrix."""
         return self.priorities.alpha
+
+    def not_finite(self) -> str:
+        """Name of the first part of the problem that is not finite; "" where all can be used."""
+        parts = {
+            "jacobian": self.jacobian,
+            "target": self.target,
+            "alpha": self.alpha,
+            "mass_matrix": self.mass_matrix,
+            "bias": self.bias,
+            "velocity": self.velocity,
+        }
+        if self.contacts is not None:
+            parts |= {
+                "contact jacobian": self.contacts.jacobian,
+                "contact drift_target": self.contacts.drift_target,
+                "contact force_jacobian": self.contacts.force_jacobian,
+                "contact force_center": self.contacts.force_center,
+                "contact force_factor": self.contacts.force_factor,
+            }
+        for name, values in parts.items():
+            if not math.isfinite(values.sum()):
+                return name
+        return ""
 
     def check(self) -> None:
         """Raise WrongSize or InvalidValue where the parts do not fit together."""

@@ -53,6 +53,8 @@ def relax(
         None where rows that are kept exclude each other, or no answer was found.
     """
     start = _spanned(parametrization)
+    if start.acceleration_factor.shape[1] == 0:
+        return None  # nothing can be chosen
     slack = 0.0
     if with_forces:
         found = _least_slack(reduced, start, solver, torque, forces=True)
@@ -75,7 +77,7 @@ def _spanned(parametrization: Parametrization) -> Parametrization:
     d = parametrization.acceleration.shape[0]
     factor = np.vstack([parametrization.acceleration_factor, parametrization.force_factor])
     left, sigma, _ = np.linalg.svd(factor, full_matrices=False)
-    basis = left[:, sigma > _SPAN * max(float(sigma[0]), 1e-300)]
+    basis = left[:, sigma > _SPAN * max(float(sigma.max(initial=0.0)), 1e-300)]
     return parametrization._replace(
         acceleration_factor=np.ascontiguousarray(basis[:d]),
         force_factor=np.ascontiguousarray(basis[d:]),

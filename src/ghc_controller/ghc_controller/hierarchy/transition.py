@@ -36,7 +36,7 @@ class Profile(Enum):
             return 0.5 - 0.5 * math.cos(math.pi * s)
         if self is Profile.LINEAR:
             return s
-        return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+        return min(s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 1.0)
 
 
 @dataclass(frozen=True, slots=True)

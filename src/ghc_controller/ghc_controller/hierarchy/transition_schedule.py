@@ -65,6 +65,8 @@ class TransitionSchedule:
         self.sigma_min = float("nan")
         self._ramp = Ramp(self.in_force.candidates, self._initial.alpha)
         self._progress = 1.0
+        self._now = float("-inf")  # [s] of the last `advance`
+        self._begin = 1.0  # progress at the begin of the step at that time
         self._running: Transition | None = None
         self._pending: list[Transition] = []
 
@@ -92,15 +94,14 @@ class TransitionSchedule:
         """True for a request that changes nothing.
 
         Such is the last scheduled one given again, the ramp under way, or the target in force.
+        Another duration, profile or torque rate is a change.
         """
         if self._pending:
             last = self._pending[-1]
-            return (transition.id, transition.start) == (last.id, last.start) and np.array_equal(
-                transition.target.alpha, last.target.alpha
-            )
-        return np.array_equal(transition.target.alpha, self.target.alpha) and (
-            self._running is None or transition.id == self._running.id
-        )
+            return transition.start == last.start and _is_same_ramp(transition, last)
+        if self._running is not None:
+            return _is_same_ramp(transition, self._running)
+        return np.array_equal(transition.target.alpha, self.target.alpha)
 
     @property
     def is_settled(self) -> bool:
@@ -125,8 +126,16 @@ class TransitionSchedule:
         return [TransitionEvent(transition, TransitionPhase.ACCEPTED, now)]
 
     def advance(self, now: float) -> list[TransitionEvent]:
-        """Bring `in_force` to time `now`; returns what happened on the way, in order."""
+        """Bring `in_force` to time `now`; returns what happened on the way, in order.
+
+        A ramp with a torque-rate budget goes on once per time: again at the same time it goes
+        from where it stood there.
+        """
         events: list[TransitionEvent] = []
+        if now != self._now:
+            self._now, self._begin = now, self._progress
+        elif self._running is not None and self._running.torque_rate > 0.0:
+            self._progress = self._begin
         while self._pending and self._pending[0].start <= now:
             transition = self._pending.pop(0)
             self._move_to(transition.start, events)
@@ -135,7 +144,7 @@ class TransitionSchedule:
                     TransitionEvent(self._running, TransitionPhase.PREEMPTED, transition.start)
                 )
             self._ramp = Ramp(self._ramp.at(self._progress), transition.target.alpha)
-            self._progress = 0.0
+            self._progress = self._begin = 0.0
             self._running = transition
             self.target = transition.target
             events.append(TransitionEvent(transition, TransitionPhase.ACTIVE, transition.start))
@@ -173,8 +182,19 @@ class TransitionSchedule:
         if running.torque_rate > 0.0:  # `settle` moves it, by the answers of each step
             self.in_force = Priorities.mixed(self._ramp.at(self._progress))
             return
-        self._progress = running.progress(time)
+        ends = time >= running.end
+        self._progress = 1.0 if ends else running.progress(time)
         self.in_force = Priorities.mixed(self._ramp.at(self._progress))
-        if time >= running.end:
+        if ends:
             self._running = None
             events.append(TransitionEvent(running, TransitionPhase.DONE, running.end))
+
+
+def _is_same_ramp(one: Transition, other: Transition) -> bool:
+    """Whether both ask for the same ramp, whenever it starts."""
+    return (one.id, one.duration, one.profile, one.torque_rate) == (
+        other.id,
+        other.duration,
+        other.profile,
+        other.torque_rate,
+    ) and np.array_equal(one.target.alpha, other.target.alpha)

@@ -29,6 +29,10 @@ class DaqpSolver(QpSolver):
         super().__init__(settings)
         self._multipliers: dict[tuple[int, int, int], Array] = {}  # by size of the problem
 
+    def reset(self) -> None:
+        """See QpSolver.reset."""
+        self._multipliers.clear()
+
     def run(self, problem: QpProblem, limit: int) -> QpResult:
         """See QpSolver.run."""
         equalities = problem.b.shape[0]

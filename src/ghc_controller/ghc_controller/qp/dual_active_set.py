@@ -17,8 +17,10 @@ from ghc_controller.small_factors import REORDERED_SUMS, inverse_factor
 from ghc_controller.types import Array
 
 SOLVED, INFEASIBLE, LIMIT, FAILED = 0, 1, 2, 3
+_SKIPPED = 2
 
 _FEASIBLE = 1e-14  # [-] of 1 + |x|: a normalized row violated by less is met
+_AGREES = 1e-10  # [-] of 1 + |x|: violation of a dependent row that is rounding, no conflict
 _DEPENDENT = 1e-11  # [-] what is left of a normalized row that depends on the active ones
 _REFINEMENTS = 2  # corrections of the answer on its active rows
 
@@ -35,14 +37,14 @@ def _dot(a: Array, b: Array) -> float:  # pragma: no cover
 def _most_violated(
     rows: Array, lower: Array, upper: Array, norm: Array, side: Array, x: Array
 ) -> tuple[int, int, float]:  # pragma: no cover
-    """Row, side (+1 lower, -1 upper) and violation over its norm; rows that are active skipped."""
+    """Row, side (+1 lower, -1 upper) and violation over its norm; rows with a side are skipped."""
     worst, row, sign = 0.0, -1, 0
     for r in range(rows.shape[0]):
         value = _dot(rows[r], x)
         below, above = (lower[r] - value) / norm[r], (value - upper[r]) / norm[r]
-        if side[r] <= 0 and below > worst:
+        if (side[r] == 0 or side[r] == -1) and below > worst:
             worst, row, sign = below, r, 1
-        if side[r] >= 0 and above > worst:
+        if (side[r] == 0 or side[r] == 1) and above > worst:
             worst, row, sign = above, r, -1
     return row, sign, worst
 
@@ -141,7 +143,8 @@ def solve_dual(
     x = -(factor @ (factor.T @ linear))
     triangle, normals, values = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
     active, multiplier = np.full(n, -1), np.zeros(n)  # rows behind the e equalities
-    side = np.zeros(count, dtype=np.int64)  # +1 active at the lower bound, -1 at the upper one
+    # +1 active at the lower bound, -1 at the upper one, _SKIPPED: depends and agrees
+    side = np.zeros(count, dtype=np.int64)
     y, z = np.zeros(e), np.zeros(count)
     sign_of = np.zeros(n)
     norm = np.empty(count)
@@ -188,10 +191,14 @@ def solve_dual(
                 if active[k] >= e and step[k] > 0.0 and multiplier[k] < dual_step * step[k]:
                     blocking, dual_step = k, multiplier[k] / step[k]
             dependent = q == n or free <= _DEPENDENT * _DEPENDENT * whole
-            if dependent and is_equality and violation <= _FEASIBLE * size:
+            agrees = dependent and violation <= _AGREES * size
+            if agrees and is_equality:
                 break  # depends on the others and agrees with them
             if dependent and blocking < 0:
-                return INFEASIBLE, pivots, x, y, z
+                if not agrees:
+                    return INFEASIBLE, pivots, x, y, z
+                side[row] = _SKIPPED  # until x moves on
+                break
             primal_step = np.inf if dependent else violation / free
             length_step = min(dual_step, primal_step)
             for k in range(q):
@@ -208,6 +215,9 @@ def solve_dual(
                 if not is_equality:
                     side[row] = sign
                 q += 1
+                for r in range(count):
+                    if side[r] == _SKIPPED:
+                        side[r] = 0
                 break
             side[active[blocking] - e] = 0
             _drop(basis, triangle, blocking, q)

@@ -21,6 +21,11 @@ class Fallback(QpSolver):
         self._first = first
         self._second = second
 
+    def reset(self) -> None:
+        """See QpSolver.reset."""
+        self._first.reset()
+        self._second.reset()
+
     def run(self, problem: QpProblem, limit: int) -> QpResult:
         """See QpSolver.run: the primary solver alone."""
         return self._first.run(problem, limit)

@@ -40,6 +40,10 @@ class ProxqpSolver(QpSolver):
         """See QpSolver.pivots_per_qp: inner iterations."""
         return self.settings.max_iterations * _INNER
 
+    def reset(self) -> None:
+        """See QpSolver.reset."""
+        self._workspaces.clear()
+
     def run(self, problem: QpProblem, limit: int) -> QpResult:
         """See QpSolver.run."""
         sizes = (problem.g.shape[0], problem.b.shape[0], problem.l.shape[0])

@@ -38,7 +38,9 @@ class QpSolver(ABC):
     def __init__(self, settings: SolverSettings) -> None:
         self.settings = settings
         self.counts = {"second_solver": 0, "capped": 0, "not_finite": 0}
-        self._budget: int | None = None  # None: no control step has begun
+        self._budget: int | None = None  # None outside a control step
+        self.step_pivots = 0  # of the last control step
+        self._kept = 0  # pivots of it that are kept for later parts of the step
 
     @property
     def pivots_per_qp(self) -> int:
@@ -46,13 +48,27 @@ class QpSolver(ABC):
         return self.settings.max_pivots
 
     def begin_step(self) -> None:
-        """Begin a control step: its QPs share `max_step_pivots`; before it each QP is capped."""
-        self._budget = self.settings.max_step_pivots
+        """Begin a control step: its QPs share `max_step_pivots`; outside each QP is capped."""
+        self._budget, self._kept = self.settings.max_step_pivots, 0
+
+    def begin_part(self, left: int) -> None:
+        """Begin the first of `left` parts that share what is left of a control step."""
+        if self._budget is not None:
+            self._kept = self._budget * (left - 1) // left
+
+    def end_step(self) -> None:
+        """End the control step: QPs solved after it have no common budget."""
+        if self._budget is not None:
+            self.step_pivots = self.settings.max_step_pivots - self._budget
+        self._budget, self._kept = None, 0
+
+    def reset(self) -> None:  # noqa: B027 (most solvers remember nothing)
+        """Forget earlier problems: the next answers are those of a new solver."""
 
     @property
     def pivots_left(self) -> int:
-        """What is left of the control step; before the first step that of one QP."""
-        return self.pivots_per_qp if self._budget is None else self._budget
+        """What is left of this part of the control step; outside of one that of a QP."""
+        return self.pivots_per_qp if self._budget is None else self._budget - self._kept
 
     def solve(self, problem: QpProblem) -> QpResult:
         """Solve; never raises for a problem without solution, `status` says so."""
@@ -83,7 +99,7 @@ class QpSolver(ABC):
         """Answer of `solver` within the budget of this one."""
         limit = solver.pivots_per_qp
         if self._budget is not None:
-            limit = min(limit, self._budget)
+            limit = min(limit, self.pivots_left)
             if limit <= 0:
                 reason = "the pivots of this control step are spent"
                 return QpResult.without_answer(problem, QpStatus.ITERATION_LIMIT, reason)
