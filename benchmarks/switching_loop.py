@@ -135,7 +135,7 @@ def _figures(
 ) -> list[dict[str, Any]]:
     """Of each phase; rows of the log as in a FullRateLog, but the speed, which is that after."""
     torque, velocity, acceleration = log
-    time = control_dt * np.arange(len(torque))
+    time: Array = control_dt * np.arange(len(torque), dtype=np.float64)
     spans = [(planned.start, planned.end) for planned in phases]
     if not spans:
         return []

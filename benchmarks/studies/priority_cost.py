@@ -16,9 +16,9 @@ from ghc_controller.controller import Controller
 from ghc_controller.formulations import FormulationSettings
 from ghc_controller.formulations.baselines.operational_space import operational_space
 from ghc_controller.formulations.baselines.resolved_acceleration import resolved_acceleration
+from ghc_controller.formulations.baselines.strict_law import Level, levels_of
+from ghc_controller.formulations.baselines.task_priority import task_priority
 from ghc_controller.formulations.baselines.unifying import unifying
-from ghc_controller.formulations.strict_law import Level, levels_of
-from ghc_controller.formulations.task_priority import task_priority
 from ghc_controller.types import Array, RobotState
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 from ghc_sim_bridge.scenario.scenario import load_scenario

@@ -46,6 +46,7 @@ from ghc_controller.robot.robot import RobotConfig, load_robot_config
 from ghc_controller.safety.braking import braking_torque
 from ghc_controller.safety.gate import OutputGate
 from ghc_controller.settings import ControllerSettings, make_constraints
+from ghc_controller.tasks.second_order import second_order_terms
 from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_controller.warm_up import warm_up
@@ -279,6 +280,9 @@ class Controller:
             limits.obstacle_rows,
             limits.contact_rows,
             model.nv - model.na,
+            second_order_terms(self.stack, model)
+            if self.settings.optimization.second_order
+            else None,
         )
 
     def _begin_references(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ghc_controller.formulations import ControlProblem
-from ghc_controller.formulations.strict_law import Level
+from ghc_controller.formulations.baselines.strict_law import Level
 from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array, Bounds
 

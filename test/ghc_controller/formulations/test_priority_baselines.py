@@ -26,8 +26,8 @@ from ghc_controller.formulations import (
     make_formulation,
 )
 from ghc_controller.formulations.baselines.operational_space import operational_space
+from ghc_controller.formulations.baselines.strict_law import Level, order_in_force
 from ghc_controller.formulations.baselines.unifying import unifying
-from ghc_controller.formulations.strict_law import Level, order_in_force
 from ghc_controller.hierarchy import Priorities, PriorityMatrix, Transition
 from ghc_controller.hierarchy.priorities import Candidate
 from ghc_controller.settings import ControllerSettings

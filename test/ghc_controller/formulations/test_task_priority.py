@@ -23,8 +23,8 @@ from ghc_controller.formulations import (
     make_formulation,
 )
 from ghc_controller.formulations.baselines.resolved_acceleration import resolved_acceleration
-from ghc_controller.formulations.strict_law import Level
-from ghc_controller.formulations.task_priority import new_directions, task_priority
+from ghc_controller.formulations.baselines.strict_law import Level
+from ghc_controller.formulations.baselines.task_priority import new_directions, task_priority
 from ghc_controller.types import Array
 
 TOLERANCE = 1e-8  # [-] rank decision of both sides

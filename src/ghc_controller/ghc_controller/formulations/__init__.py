@@ -7,6 +7,7 @@ from ghc_controller.errors import UnknownName
 from ghc_controller.formulations.balanced import BalancedGhc
 from ghc_controller.formulations.baselines.operational_space import OperationalSpace
 from ghc_controller.formulations.baselines.resolved_acceleration import ResolvedAcceleration
+from ghc_controller.formulations.baselines.task_priority import TaskPriority
 from ghc_controller.formulations.baselines.unifying import Unifying
 from ghc_controller.formulations.cascade.cascade import Cascade
 from ghc_controller.formulations.formulation import (
@@ -21,7 +22,6 @@ from ghc_controller.formulations.ghc_full import FullGhc
 from ghc_controller.formulations.hqp import Hqp
 from ghc_controller.formulations.hqp_transition import HqpTransition
 from ghc_controller.formulations.rhp_hqp import RhpHqp
-from ghc_controller.formulations.task_priority import TaskPriority
 from ghc_controller.formulations.weighted import Weighted
 from ghc_controller.problem.control_problem import AccelerationRows, ContactRows, ControlProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus

@@ -10,11 +10,12 @@ from ghc_controller.formulations.kernels import (
     balanced_target,
 )
 from ghc_controller.formulations.nearest_answer import nearest_answer
+from ghc_controller.formulations.second_order import guarded_solve, projected_terms
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
-from ghc_controller.problem.reduction import reduce_contacts
+from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts
 from ghc_controller.problem.solution import Solution
 from ghc_controller.types import Array
 
@@ -38,7 +39,9 @@ class BalancedGhc(Formulation):
         reduced = reduce_contacts(problem)
         origin, wanted = reduced.about_rest(settings.velocity_damping)
         target = origin
-        if len(origin):  # contacts may leave no motion
+        if problem.second_order is not None and len(origin):
+            target = origin + self._second_order_target(reduced, origin, wanted)
+        elif len(origin):  # contacts may leave no motion
             moved, _ = balanced_target(
                 reduced.jacobian,
                 wanted,
@@ -51,6 +54,24 @@ class BalancedGhc(Formulation):
             )
             target = origin + moved
         return nearest_answer(reduced, target, problem.alpha, settings, self.solver)
+
+    def _second_order_target(self, reduced: ReducedProblem, origin: Array, wanted: Array) -> Array:
+        """x* - y_0, [sum P_i (J_i^T J_i + S_i) + w I] x* = sum P_i (J_i^T b_i - kd S_i v)."""
+        source, w = reduced.source, self.settings.regularization
+        system, projectors = balanced_system(
+            reduced.jacobian,
+            source.starts,
+            source.alpha,
+            w,
+            self.projector.rank_tolerance,
+            self.projector.layer_damping,
+        )
+        curved, pull = projected_terms(reduced, projectors, origin)
+        right = -pull
+        for i in np.flatnonzero(np.diag(source.alpha) < 1.0):
+            part = slice(source.starts[i], source.starts[i + 1])
+            right += projectors[i] @ (wanted[part] @ reduced.jacobian[part])
+        return guarded_solve(system + curved, right, _GUARD * w)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
         """Smallest singular value of the system of x*, in units of w and with the sign of its det.

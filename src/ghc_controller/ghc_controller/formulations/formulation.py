@@ -79,6 +79,7 @@ class FormulationSettings:
     metric: Metric = Metric.ACCELERATION  # task_priority and ghc
     damped_levels: DampedLevels = DampedLevels.ALL  # task_priority and its baselines
     rhp_constant_weights: bool = False  # rows of rhp_hqp count alike at any phi; jumps in a swap
+    second_order: bool = False  # (x + kd v)^T S (x + kd v) of every task beside |J x - b|^2
     projector: ProjectorSettings = field(default_factory=ProjectorSettings)
 
     def __post_init__(self) -> None:
@@ -97,9 +98,18 @@ class Formulation(ABC):
 
     name: str
     layer_damping: float = 0.0  # [-] where the settings leave it open
+    takes_second_order: bool = True
     blends: bool = False  # answers each candidate of a mixture: can keep a torque-rate budget
 
     def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
+        """Raises InvalidValue where `second_order` is set and the formulation does not take it."""
+        if settings.second_order and not self.takes_second_order:
+            raise InvalidValue(
+                f"second_order: formulation {self.name} does not take it: its x = sum_i P_i nu_i "
+                "minimizes |J_i nu_i - b_i|^2 + w |nu_i|^2, and the identities that condense it, "
+                "such as J_i^T (J_i J_i^T + w I)^-1 b_i, do not hold with S_i; take cascade, "
+                "balanced, hqp or weighted"
+            )
         self.settings = settings
         self.solver = solver
         self.projector = settings.projector.with_default(self.layer_damping)

@@ -36,6 +36,7 @@ class CondensedGhc(Formulation):
     """
 
     name = "ghc"
+    takes_second_order = False
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""

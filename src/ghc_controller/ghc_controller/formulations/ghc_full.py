@@ -22,6 +22,7 @@ class FullGhc(Formulation):
     """
 
     name = "ghc_full"
+    takes_second_order = False
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""

@@ -14,6 +14,7 @@ from ghc_controller.formulations.cascade.level_answers import (
     rows_of,
 )
 from ghc_controller.formulations.formulation import Formulation
+from ghc_controller.formulations.second_order import level_term
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_qp
@@ -51,6 +52,7 @@ class Hqp(Formulation):
         answer: Solution | None = None
         worst = SolutionStatus.SOLVED
         order = levels(problem.alpha) or [[]]  # without an active task a level of no row
+        above = np.zeros(len(problem.target))  # 1 for rows of the levels before
         for depth, level in enumerate(order):
             is_last = depth + 1 == len(order)
             moves = null.shape[1] > 0 or answer is None
@@ -60,8 +62,14 @@ class Hqp(Formulation):
             rows, target = reduced.jacobian[index], reduced.target[index]
             local = rows @ null
             hessian = local.T @ local + settings.regularization * np.eye(null.shape[1])
+            right = local.T @ (target - rows @ y)
+            if problem.second_order is not None:
+                term = level_term(reduced, level, above, null @ null.T)
+                hessian += null.T @ term.matrix @ null
+                right -= null.T @ (term.pull + term.matrix @ y)
+            above[index] = 1.0
             factor = inverse_factor(hessian)
-            best = y + null @ (factor @ (factor.T @ (local.T @ (target - rows @ y))))
+            best = y + null @ (factor @ (factor.T @ right))
             below = null @ _null_space(local, settings.rank_tolerance)
             found = free_answer(reduced, forces, best)
             if found is None:

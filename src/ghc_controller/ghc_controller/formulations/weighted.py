@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ghc_controller.formulations.formulation import Formulation
-from ghc_controller.formulations.weight_kernels import weighted_system
+from ghc_controller.formulations.second_order import weighted_terms
+from ghc_controller.formulations.weight_kernels import priority_weights, weighted_system
 from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_bounded
 from ghc_controller.problem.control_problem import ControlProblem
@@ -38,6 +39,10 @@ class Weighted(Formulation):
             _LARGEST_WEIGHT,
             settings.regularization,
         )
+        if problem.second_order is not None:
+            weights = priority_weights(problem.alpha, settings.weight_ratio, _LARGEST_WEIGHT)
+            curved, pull = weighted_terms(reduced, weights, origin)
+            hessian, right = hessian + curved, right - pull
         factor = inverse_factor(hessian)
         optimum = origin + factor @ (factor.T @ right)
         parametrization = Parametrization.whitened(optimum, factor, problem.contacts)

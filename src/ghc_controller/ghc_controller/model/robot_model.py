@@ -7,6 +7,7 @@ from pathlib import Path
 import numba
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError, UnknownName, WrongSize
 from ghc_controller.model.frames import FrameTable, FrameTerms
@@ -30,6 +31,8 @@ class RobotModel:
         limits: JointLimits; also as position_lower, position_upper, velocity_limit, torque_limit.
         dynamics: Dynamics of the last update; with the contact forces told to `exert` since.
         q, v: state of the last update, (nq,) and (n,).
+        joint_of: (n,) number of the joint that each velocity coordinate belongs to.
+        carries: (n, n), [a, b] is True where the joint of a is the joint of b or carries it.
     """
 
     def __init__(self, model: pin.Model, limits: JointLimits | None = None) -> None:
@@ -62,6 +65,7 @@ class RobotModel:
         self.mass: float = float(pin.computeTotalMass(model))  # [kg]
         self._frame_names = tuple(f.name for f in model.frames if f.type == pin.FrameType.BODY)
         self._frames = FrameTable(model, self._data)
+        self.joint_of, self.carries = _joint_order(model)
         # Views taken once: fetching them from pin.Data costs more than the copy below.
         self._mass_matrix_view, self._bias_view = self._data.M, self._data.nle
         self._momentum_view = self._data.Ag
@@ -191,6 +195,14 @@ class RobotModel:
             self._gravity = _gravity_torque(self._momentum_view, self._gravity_vector)
         return self._gravity
 
+    def integrate(self, q: Array, step: Array) -> Array:
+        """Configuration (nq,) after moving q by a step in velocity coordinates, (n,)."""
+        return np.asarray(pin.integrate(self._model, q, step))
+
+    def angular_axes(self) -> Array:
+        """(3, n) angular velocity in world axes per velocity coordinate; 0 for translations."""
+        return np.ascontiguousarray(self._data.J[3:])
+
     def center_of_mass(self) -> Array:
         """Centre of mass in the world, (3,) [m]."""
         self._update_center_of_mass()
@@ -255,6 +267,18 @@ def model_limits(model: pin.Model, na: int) -> JointLimits:
         np.array(model.upperVelocityLimit[-na:]),
         np.array(model.upperEffortLimit[-na:]),
     )
+
+
+def _joint_order(model: pin.Model) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """See `joint_of` and `carries` of RobotModel."""
+    joint_of = np.zeros(model.nv, dtype=np.int64)
+    for joint in range(1, model.njoints):
+        first = model.joints[joint].idx_v
+        joint_of[first : first + model.joints[joint].nv] = joint
+    carries = np.zeros((model.nv, model.nv), dtype=np.bool_)
+    for b in range(model.nv):
+        carries[:, b] = np.isin(joint_of, list(model.supports[int(joint_of[b])]))
+    return joint_of, carries
 
 
 @numba.njit(cache=True)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.priorities import Priorities
+from ghc_controller.problem.second_order_terms import SecondOrder
 from ghc_controller.types import Array, Bounds
 
 
@@ -62,6 +63,7 @@ class ControlProblem:
     rows: AccelerationRows | None = None  # soft rows
     contacts: ContactRows | None = None
     unactuated: int = 0
+    second_order: SecondOrder | None = None  # None: the tasks are linearized
 
     @property
     def alpha(self) -> Array:

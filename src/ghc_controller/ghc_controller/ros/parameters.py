@@ -67,6 +67,9 @@ class ControllerParameters:
     rhp_constant_weights: bool = parameter(
         False, "rhp_hqp weighs rows alike at any phi, as its authors' library; jumps in a swap"
     )
+    second_order: bool = parameter(
+        False, "add the curvature of the tasks to every level; ghc and ghc_full reject it"
+    )
     layer_damping: float = parameter(
         -1.0,
         "[-] damped projector layers: continuous at rank changes; 0 = exact, "
@@ -136,6 +139,7 @@ class ControllerParameters:
                 damped_levels=DampedLevels(self.damped_levels),
                 metric=Metric(self.metric),
                 rhp_constant_weights=self.rhp_constant_weights,
+                second_order=self.second_order,
                 projector=ProjectorSettings(
                     layer_damping=None if self.layer_damping < 0.0 else self.layer_damping
                 ),

@@ -7,6 +7,7 @@ import numpy as np
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.reader import Fields
+from ghc_controller.tasks.curvature import point_curvature
 from ghc_controller.tasks.force_control import WORLD_AXES
 from ghc_controller.tasks.kernels import position_rows
 from ghc_controller.tasks.registry import register_task
@@ -73,6 +74,12 @@ class CenterOfMassTask(Task):
             out.target,
             out.error,
         )
+
+    def curvature(self, model: RobotModel, weights: Array) -> Array:
+        """Second-order term of the coordinates of the center of mass: see Task."""
+        along = np.zeros(3)
+        along[self._axes] = weights
+        return point_curvature(model, model.angular_axes(), model.center_of_mass_jacobian(), along)
 
     def current(self, model: RobotModel) -> Array:
         """Chosen coordinates of the centre of mass now, (m,) [m]."""

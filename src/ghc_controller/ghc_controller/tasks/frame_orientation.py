@@ -8,6 +8,7 @@ from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.numerics.rotation import quaternion_from_matrix
 from ghc_controller.references.follower import ReferenceSpace
 from ghc_controller.schema.reader import Fields
+from ghc_controller.tasks.curvature import rotation_curvature, rotation_error_curvature
 from ghc_controller.tasks.orientation_kernels import orientation_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task
@@ -80,6 +81,14 @@ class FrameOrientationTask(Task):
             out.target,
             out.error,
         )
+
+    def curvature(self, model: RobotModel, weights: Array) -> Array:
+        """Second-order term of the rotation vector that leads away from the orientation now."""
+        return rotation_curvature(model, model.frame_jacobian(self._frame_id)[3:], weights)
+
+    def error_curvature(self, model: RobotModel, error: Array) -> Array:
+        """See Task; with the part by which log(R* R^T) is no linear function of the rotation."""
+        return rotation_error_curvature(model, model.frame_jacobian(self._frame_id)[3:], error)
 
     def current(self, model: RobotModel) -> Array:
         """Quaternion x, y, z, w of the frame now, (4,)."""

@@ -8,6 +8,11 @@ from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.numerics.rotation import quaternion_from_matrix
 from ghc_controller.references.follower import ReferenceSpace
 from ghc_controller.schema.reader import Fields
+from ghc_controller.tasks.curvature import (
+    point_curvature,
+    rotation_curvature,
+    rotation_error_curvature,
+)
 from ghc_controller.tasks.orientation_kernels import pose_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task
@@ -76,6 +81,18 @@ class FramePoseTask(Task):
             out.target,
             out.error,
         )
+
+    def curvature(self, model: RobotModel, weights: Array) -> Array:
+        """Sum of those of FramePositionTask and FrameOrientationTask."""
+        jacobian = model.frame_jacobian(self._frame_id)
+        moved = point_curvature(model, jacobian[3:], jacobian[:3], weights[:3])
+        return moved + rotation_curvature(model, jacobian[3:], weights[3:])
+
+    def error_curvature(self, model: RobotModel, error: Array) -> Array:
+        """Sum of those of FramePositionTask and FrameOrientationTask."""
+        jacobian = model.frame_jacobian(self._frame_id)
+        moved = point_curvature(model, jacobian[3:], jacobian[:3], -error[:3])
+        return moved + rotation_error_curvature(model, jacobian[3:], error[3:])
 
     def current(self, model: RobotModel) -> Array:
         """Position and quaternion of the frame now, (7,)."""

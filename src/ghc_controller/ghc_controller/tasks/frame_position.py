@@ -6,6 +6,7 @@ import numpy as np
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.reader import Fields
+from ghc_controller.tasks.curvature import point_curvature
 from ghc_controller.tasks.force_control import WORLD_AXES, ForceControl
 from ghc_controller.tasks.kernels import position_rows
 from ghc_controller.tasks.registry import register_task
@@ -83,6 +84,13 @@ class FramePositionTask(Task):
             out.target,
             out.error,
         )
+
+    def curvature(self, model: RobotModel, weights: Array) -> Array:
+        """Second-order term of the origin's coordinates: see Task."""
+        along = np.zeros(3)
+        along[self._axes] = weights
+        jacobian = model.frame_jacobian(self._frame_id)
+        return point_curvature(model, jacobian[3:], jacobian[:3], along)
 
     def current(self, model: RobotModel) -> Array:
         """Chosen coordinates of the origin now, (m,) [m]."""

@@ -95,6 +95,11 @@ class PostureTask(Task):
             out.error,
         )
 
+    def curvature(self, model: RobotModel, weights: Array) -> Array:
+        """Zero: joint positions are linear in themselves."""
+        del weights
+        return np.zeros((model.nv, model.nv))
+
     def current(self, model: RobotModel) -> Array:
         """Positions of the joints now, (m,) [rad]."""
         return model.q[self._q_indices]

@@ -98,6 +98,24 @@ class Task(Follower):
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Fill the arrays of `out` with motion rows."""
 
+    def curvature(self, model: RobotModel, weights: Array) -> Array:
+        """Second-order term sum_r weights_r grad^2 xi_r at the last `model.update`, (n, n).
+
+        Symmetric; derivatives are those along `model.integrate`. The rows are motion rows.
+
+        Args:
+            weights: (m,) one per row.
+
+        Raises:
+            InvalidValue: this kind of task offers none.
+        """
+        del model, weights
+        raise InvalidValue(f"task '{self.name}' offers no second-order term")
+
+    def error_curvature(self, model: RobotModel, error: Array) -> Array:
+        """S (n, n) with grad^2 (1/2 |e|^2) = J^T J + S; `error` (m,) as in TaskRows."""
+        return -self.curvature(model, error)
+
     def reset(self) -> None:
         """Forget what was accumulated over time: force control starts afresh."""
         if self.force is not None:

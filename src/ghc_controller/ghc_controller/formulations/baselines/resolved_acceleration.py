@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ghc_controller.formulations.strict_law import Level, StrictLaw
+from ghc_controller.formulations.baselines.strict_law import Level, StrictLaw
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.types import Array
 

@@ -19,6 +19,7 @@ from ghc_controller.formulations.cascade.kernels import (
 )
 from ghc_controller.formulations.cascade.level_answers import (
     UPPER_FORCE_WEIGHT,
+    free_answer,
     keep_feasible,
     keeps_bounds,
     reduced_acceleration,
@@ -30,6 +31,7 @@ from ghc_controller.formulations.cascade.torque_rate import (
     without_rate,
 )
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
+from ghc_controller.formulations.second_order import level_term
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order, levels
 from ghc_controller.hierarchy.priorities import Priorities
@@ -108,12 +110,14 @@ class Order(NamedTuple):
 
     rows: Starts  # (m,) indices into the augmented Jacobian
     ends: Starts  # (l,) end of each level among them
+    tasks: tuple[tuple[int, ...], ...]  # of each level
 
     @classmethod
     def of(cls, alpha: Array, starts: Starts) -> Order:
         """Order of a matrix (k, k); without an active task one level that has no row."""
-        parts = [rows_of(starts, level) for level in levels(alpha) or [[]]]
-        return cls(np.concatenate(parts), np.cumsum([len(part) for part in parts]))
+        tasks = tuple(tuple(level) for level in levels(alpha) or [[]])
+        parts = [rows_of(starts, level) for level in tasks]
+        return cls(np.concatenate(parts), np.cumsum([len(part) for part in parts]), tasks)
 
 
 class _Descent:
@@ -131,7 +135,7 @@ class _Descent:
         self.w, self.e = settings.regularization, settings.null_damping
         self.reduced, self.forces, self.given = reduced, forces, reduced.source
         self.jacobian, self.target = reduced.jacobian[order.rows], reduced.target[order.rows]
-        self.ends = order.ends
+        self.rows, self.ends, self.tasks = order
         self.basis, self.used = np.empty((len(order.rows) + 1, reduced.jacobian.shape[1])), 0
         brake = -settings.velocity_damping * reduced.source.velocity
         self.y = brake if reduced.basis is None else reduced.basis.T @ brake
@@ -140,6 +144,8 @@ class _Descent:
         """Answer of the last level; of the last one that has one, where a later level fails."""
         best: Solution | None = None
         level, count = 0, len(self.ends)
+        if self.given.second_order is not None:
+            return self._answer_with_second_order()
         while level < count:
             free, self.used, self.y, x, tau, force = free_levels(
                 self.jacobian,
@@ -166,6 +172,41 @@ class _Descent:
             self.y = reduced_acceleration(self.reduced, found.acceleration)
             self.reduced = keep_feasible(self.reduced, found)
             level = free + 1
+        assert best is not None
+        return best
+
+    def _answer_with_second_order(self) -> Solution:
+        """As `answer`, with (x + kd v)^T S (x + kd v) in every level."""
+        best: Solution | None = None
+        above = np.zeros(len(self.given.target))
+        for level, tasks in enumerate(self.tasks):
+            part = slice(self.ends[level - 1] if level else 0, self.ends[level])
+            rows, P = self.jacobian[part], null_projector(self.basis, self.used)
+            _, local, damping = level_optimum(
+                rows, self.target[part], self.y, self.basis, self.used, self.w
+            )
+            term = level_term(self.reduced, tasks, above, P)
+            factor = inverse_factor(local.T @ local + damping * np.eye(len(self.y)) + term.matrix)
+            right = (self.target[part] - rows @ self.y) @ local
+            right -= P @ (term.pull + term.matrix @ self.y)
+            optimum = self.y + P @ (factor @ (factor.T @ right))
+            self.used = append_rows(rows, self.e, self.basis, self.used)
+            above[self.rows[part]] = 1.0
+            found = free_answer(self.reduced, self.forces, optimum)
+            if found is None:
+                weight = 1.0 if level + 1 == len(self.ends) else UPPER_FORCE_WEIGHT
+                parametrization = self.forces.parametrization(
+                    self.reduced, optimum, P @ factor, weight
+                )
+                found = solve_qp(self.reduced, parametrization, self.solver)
+            if best is None and found.status is SolutionStatus.FAILED:
+                return found
+            if best is not None and not keeps_bounds(self.given, best.status, found):
+                return best._replace(levels_dropped=len(self.tasks) - level)
+            best = _after(best, found)
+            self.y = reduced_acceleration(self.reduced, found.acceleration)
+            if found.qp_solved:
+                self.reduced = keep_feasible(self.reduced, found)
         assert best is not None
         return best
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ghc_controller.formulations.baselines.strict_law import Level, StrictLaw
 from ghc_controller.formulations.formulation import Metric
 from ghc_controller.formulations.metrics import metric_root
-from ghc_controller.formulations.strict_law import Level, StrictLaw
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.types import Array
 

@@ -1,0 +1,65 @@
+"""The KUKA with a target out of reach, as a library loop: torque rate, rest, jerk."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from benchmarks.switching_loop import Timing, make_run, target_references
+from ghc_controller.controller import Controller
+from ghc_controller.formulations import FormulationSettings
+from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.settings import ControllerSettings
+from ghc_sim_bridge.simulation.simulator import Simulator
+
+TARGET = (1.1, 0.5, 1.1)  # [m] of the end effector: 0.58 m out of reach
+HIERARCHY = "end_effector > elbow > posture"
+_TASK = "end_effector"
+_DT = 1e-3  # [s]
+_CALM = 3.0  # [s] at the end of a run
+
+
+def run_unreachable(
+    formulation: str, optimization: FormulationSettings, duration: float
+) -> dict[str, Any]:
+    """Figures of one run from rest, torque rate limit off, velocity limit of the scenario.
+
+    Returns:
+        error [m] of the end effector at the end, torque_rate [Nm/s] at 1 ms, speed [rad/s] (mean
+        abs(v) over the last 3 s), jerk: sum of abs(change of acceleration) [rad/s^2].
+    """
+    plan = make_run(Timing())
+    settings = ControllerSettings(
+        formulation=formulation,
+        control_dt=_DT,
+        velocity_limit=plan.scenario.parameters["controller"]["velocity_limit"],
+        torque_rate_limit=0.0,
+        optimization=optimization,
+    )
+    controller = Controller.for_robot(plan.scenario.robot, settings)
+    simulator = Simulator(plan.scenario.scene, joint_names=controller.model.joint_names)
+    controller.observe(simulator.state())
+    for reference in target_references(controller):
+        controller.add_reference(reference)
+    task = controller.references.task(_TASK)
+    target = task.static_target(np.array(TARGET))
+    controller.add_reference(ReferenceTrajectory.static(task, target))
+    matrix = matrix_from_hierarchy(controller.robot.task_names, HIERARCHY)
+    controller.add_transition(Transition(matrix, 0.0, 0.0, hierarchy=HIERARCHY), 0.0)
+    torque, velocity, acceleration = [], [], []
+    for _ in range(round(duration / _DT)):
+        result = controller.step(simulator.state())
+        torque.append(result.torque.copy())
+        simulator.step(result.torque)
+        velocity.append(simulator.state().v.copy())
+        acceleration.append(simulator.acceleration.copy())
+    errors = {entry.name: entry.motion_error for entry in controller.report().tasks}
+    calm = np.abs(velocity[-round(_CALM / _DT) :])
+    return {
+        "error": float(errors[_TASK]),
+        "torque_rate": float(np.abs(np.diff(torque, axis=0)).max() / _DT),
+        "speed": float(calm.mean()),
+        "jerk": float(np.abs(np.diff(acceleration, axis=0)).sum()),
+    }

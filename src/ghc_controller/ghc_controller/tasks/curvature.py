@@ -1,0 +1,90 @@
+"""Second-order terms of points and orientations from Jacobian columns alone.
+
+z_a is the angular column of velocity coordinate a and J_b the linear column of b, both in world
+axes. A joint turns the columns of all joints that it carries, so that for a nearer to the base
+    d2 p / dq_a dq_b = z_a x J_b,        d2 phi / dq_a dq_b = 1/2 z_a x z_b,
+p a point fixed in a link (or the center of mass) and phi = log(R(q + dq) R(q)^T). The coordinates
+of one floating base move together along exp(v, w): there the mean of both orders stands.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.types import Array
+
+_SMALL = 1e-2  # [rad] below which the series is exact to 1e-13
+
+
+def point_curvature(model: RobotModel, angular: Array, linear: Array, weights: Array) -> Array:
+    """sum_r weights_r grad^2 p_r, (n, n) symmetric.
+
+    Args:
+        angular, linear: (3, n) columns z and J. weights: (3,) along world axes.
+    """
+    return _contracted(
+        np.ascontiguousarray(angular),
+        np.ascontiguousarray(linear),
+        model.joint_of,
+        model.carries,
+        np.ascontiguousarray(weights),
+    )
+
+
+def rotation_curvature(model: RobotModel, angular: Array, weights: Array) -> Array:
+    """sum_r weights_r grad^2 phi_r, (n, n) symmetric; weights (3,)."""
+    return 0.5 * point_curvature(model, angular, angular, weights)
+
+
+def rotation_error_curvature(model: RobotModel, angular: Array, error: Array) -> Array:
+    """S (n, n) with grad^2 (1/2 |e|^2) = J^T J + S for e = log(R* R^T), 0 <= |e| <= pi.
+
+    The gradient is -J^T e, and e' = -J_r(e)^-1 J q' with the right Jacobian J_r of rotation.py,
+    whose inverse has the symmetric part I + c [e]^2, c = (1 - |e|/2 cot(|e|/2)) / |e|^2.
+    """
+    angle = float(np.linalg.norm(error))
+    if angle < _SMALL:
+        c = 1.0 / 12.0 + angle * angle / 720.0
+    else:
+        c = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / angle**2
+    along = error @ angular
+    term = c * (np.outer(along, along) - angle**2 * (angular.T @ angular))
+    return term - rotation_curvature(model, angular, error)
+
+
+@njit(cache=True)
+def _contracted(
+    angular: Array,
+    linear: Array,
+    joint_of: NDArray[np.int64],
+    carries: NDArray[np.bool_],
+    weights: Array,
+) -> Array:  # pragma: no cover
+    n = linear.shape[1]
+    term = np.zeros((n, n))
+    for a in range(n):
+        x, y, z = angular[0, a], angular[1, a], angular[2, a]
+        # weights . (z_a x J_b) = (weights x z_a) . J_b
+        u = weights[1] * z - weights[2] * y
+        v = weights[2] * x - weights[0] * z
+        w = weights[0] * y - weights[1] * x
+        if u == 0.0 and v == 0.0 and w == 0.0:
+            continue
+        for b in range(n):
+            if not carries[a, b]:
+                continue
+            value = u * linear[0, b] + v * linear[1, b] + w * linear[2, b]
+            if a == b:
+                term[a, a] += value
+            elif joint_of[a] == joint_of[b]:
+                term[a, b] += 0.5 * value
+                term[b, a] += 0.5 * value
+            else:
+                term[a, b] += value
+                term[b, a] += value
+    return term
