@@ -65,7 +65,7 @@ class TimedController:
         for state in segment.states:
             self._qps = 0
             result = self.controller.step(state)
-            qps, pivots = self._qps, solver.settings.max_step_pivots - solver.pivots_left
+            qps, pivots = self._qps, solver.step_pivots
             active = len(self.controller.report().active_constraints)
             solved = result.status is StepStatus.SOLVED
             self._outcomes.append((result.solution.qp_solved, solved, active, qps, pivots))
