@@ -15,7 +15,7 @@ from ghc_controller.controller import Controller
 from ghc_controller.formulations import ControlProblem, Formulation
 from ghc_controller.hierarchy import PriorityMatrix, Transition
 from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, Bounds, RobotState
 
 SEED = 17
@@ -41,7 +41,7 @@ def chain_controller(joints: int) -> Controller:
         (folder / "chain.urdf").write_text(_urdf(joints), encoding="utf-8")
         (folder / "robot.yaml").write_text(_robot(joints), encoding="utf-8")
         robot = load_robot_config(folder / "robot.yaml")
-    return Controller(robot, ControllerSettings(torque_rate_limit=0.0))
+    return Controller(robot, Settings(torque_rate_limit=0.0))
 
 
 def chain_problems(

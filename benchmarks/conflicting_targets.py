@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.robot.robot import Robot
 from ghc_controller.types import Array
 
 APART = 0.2  # [m] least norm of both errors together, at the best posture
@@ -24,7 +24,7 @@ class Pair(NamedTuple):
     apart: float  # [m]
 
 
-def conflicting_pairs(robot: RobotConfig, count: int, seed: int) -> list[Pair]:
+def conflicting_pairs(robot: Robot, count: int, seed: int) -> list[Pair]:
     """Targets of the robot's first two tasks: each is where its frame is in a random posture."""
     rng = np.random.default_rng(seed)
     model = robot.model
@@ -44,12 +44,12 @@ def conflicting_pairs(robot: RobotConfig, count: int, seed: int) -> list[Pair]:
     return pairs
 
 
-def _places(robot: RobotConfig, q: Array) -> Array:
+def _places(robot: Robot, q: Array) -> Array:
     """(6,) [m] positions of the first two tasks' frames."""
     robot.model.update(q, np.zeros(robot.model.nv))
     return np.concatenate([task.current(robot.model) for task in robot.tasks[:2]])
 
 
-def _distance(robot: RobotConfig, both: Array, start: Array, low: Array, high: Array) -> float:
+def _distance(robot: Robot, both: Array, start: Array, low: Array, high: Array) -> float:
     found = least_squares(lambda q: _places(robot, q) - both, start, bounds=(low, high))
     return float(np.linalg.norm(found.fun))

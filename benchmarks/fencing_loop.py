@@ -15,7 +15,7 @@ from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepStatus
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.scenario.references import ReferencePoint
@@ -101,7 +101,7 @@ def fencer(
     """Controller of the scenario's robot with its changes; without `posture` no last level."""
     hierarchy = scenario.phases[0].hierarchy
     given = scenario.parameters.get("controller", {})
-    settings = ControllerSettings(
+    settings = Settings(
         formulation=formulation,
         control_dt=scenario.control_dt,
         hierarchy=hierarchy if posture else hierarchy.rpartition(" > ")[0],

@@ -14,7 +14,7 @@ from ghc_controller.controller import Controller
 from ghc_controller.formulations import ControlProblem
 from ghc_controller.hierarchy import PriorityMatrix, Transition
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 from ghc_sim_bridge.simulation.simulator import Simulator
 
@@ -36,9 +36,7 @@ class TenTasks(NamedTuple):
 def icub_controller(formulation: str) -> Controller:
     """Default settings but for the torque rate limit, which is off."""
     install_model("icub-models")
-    return Controller.for_robot(
-        "icub", ControllerSettings(formulation=formulation, torque_rate_limit=0.0)
-    )
+    return Controller.for_robot("icub", Settings(formulation=formulation, torque_rate_limit=0.0))
 
 
 def ten_task_states(controller: Controller, count: int) -> Iterator[TenTasks]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ghc_controller.numerics.rotation import quaternion_product, rotation_exp
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.robot.robot import Robot
 from ghc_controller.types import Array
 
 
@@ -24,7 +24,7 @@ class Reach:
 
 
 def random_references(
-    robot: RobotConfig, rng: np.random.Generator, reach: Reach
+    robot: Robot, rng: np.random.Generator, reach: Reach
 ) -> list[ReferenceTrajectory]:
     """A static target at rest for every task, about the pose of the model's last update."""
     found = []

@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.tasks.frame_orientation import FrameOrientationTask
 from ghc_controller.tasks.frame_position import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
@@ -41,7 +41,7 @@ class BenchRobot(ABC):
         """Motion tasks and posture."""
         return len(self.frames) + 1
 
-    def product(self) -> RobotConfig:
+    def product(self) -> Robot:
         """The robot as the stack knows it: its limits are those of the benchmark."""
         return load_robot_config(find_robot(self.name))
 
@@ -53,7 +53,7 @@ class BenchRobot(ABC):
     def start(self, model: RobotModel) -> Array:
         """(n,) [rad] posture about which the robot moves."""
 
-    def config(self, count: int) -> RobotConfig:
+    def config(self, count: int) -> Robot:
         """The robot with `count` tasks: count - 1 motion tasks above the posture."""
         model = self.model()
         tasks: list[Task] = [
@@ -64,7 +64,7 @@ class BenchRobot(ABC):
         tasks.append(PostureTask("posture", model, _STIFFNESS, _DAMPING, reference=start))
         hierarchy = " > ".join(task.name for task in tasks)
         product = self.product()
-        return RobotConfig(
+        return Robot(
             path=Path(self.name),
             name=self.name,
             urdf=Path(self.name),

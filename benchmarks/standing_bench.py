@@ -14,8 +14,8 @@ from benchmarks.timed_controller import TimedController, Variant
 from ghc_controller.controller import Controller
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.robot.robot import Robot, load_robot_config
+from ghc_controller.settings import Settings
 from ghc_controller.types import RobotState
 from ghc_sim_bridge.programs.markdown import table
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -88,7 +88,7 @@ def standing_section(rows: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def _config(count: int) -> RobotConfig:
+def _config(count: int) -> Robot:
     names = (*TASKS[: count - 1], TASKS[-1])
     robot = load_robot_config(find_robot("icub"))
     tasks = {task.name: task for task in robot.tasks}
@@ -99,7 +99,7 @@ def _config(count: int) -> RobotConfig:
 def _simulated(count: int, segments: int, length: int) -> list[Segment]:
     robot = _config(count)
     simulator = Simulator(SCENE, DT, DT, joint_names=robot.model.joint_names)
-    controller = Controller(robot, ControllerSettings(control_dt=DT, torque_rate_limit=0.0))
+    controller = Controller(robot, Settings(control_dt=DT, torque_rate_limit=0.0))
     controller.warm_up()
     rng = np.random.default_rng(0)
     found = []

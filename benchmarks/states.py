@@ -10,7 +10,7 @@ import numpy as np
 from ghc_controller.constraints import ConstraintSet, TorqueCenter, TorqueLimit
 from ghc_controller.controller import Controller
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.robot.robot import Robot
 from ghc_controller.types import Array, RobotState
 
 DT = 1e-3  # [s] control period
@@ -28,7 +28,7 @@ class Segment:
 
 
 def random_goals(
-    robot: RobotConfig, start: Array, rng: np.random.Generator, count: int
+    robot: Robot, start: Array, rng: np.random.Generator, count: int
 ) -> list[tuple[ReferenceTrajectory, ...]]:
     """`count` times a goal for every task, each the pose at a random posture of its own."""
     goals = []

@@ -12,7 +12,7 @@ from ghc_controller.controller import Controller
 from ghc_controller.formulations import ControlProblem
 from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, Bounds, RobotState
 
 _HAND_FIRST = "end_effector > elbow > posture"
@@ -57,7 +57,7 @@ def sweeps(points: int) -> list[Sweep]:
 
 def problems_of(sweep: Sweep) -> Iterator[ControlProblem]:
     """Control problems along a sweep: torque rate limit off, other limits of the product."""
-    settings = ControllerSettings(torque_rate_limit=0.0, velocity_limit=_SPEED)
+    settings = Settings(torque_rate_limit=0.0, velocity_limit=_SPEED)
     controller = Controller.for_robot("kuka_lwr", settings)
     still = np.zeros(7)
     controller.observe(RobotState(0.0, sweep.q[0], still))

@@ -16,7 +16,7 @@ from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepStatus
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.metrics import jerk_integral, peak_torque_rate
 from ghc_sim_bridge.errors import SimulationDiverged
@@ -92,7 +92,7 @@ def run_phases(
 
 def _controller(plan: RunPlan, formulation: str, optimization: FormulationSettings) -> Controller:
     parameters = plan.scenario.parameters["controller"]
-    settings = ControllerSettings(
+    settings = Settings(
         formulation=formulation,
         control_dt=plan.control_dt,
         velocity_limit=parameters["velocity_limit"],

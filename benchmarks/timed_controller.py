@@ -13,8 +13,8 @@ import numpy as np
 from benchmarks.states import DT, Segment, begin, bound_torque
 from ghc_controller.controller import Controller
 from ghc_controller.report.report import StepStatus
-from ghc_controller.robot.robot import RobotConfig
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.robot.robot import Robot
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 
 PARTS = {
@@ -43,7 +43,7 @@ class Variant:
 class TimedController:
     """One controller of one variant, and the times of its steps."""
 
-    def __init__(self, robot: RobotConfig, variant: Variant, bound: Array | None) -> None:
+    def __init__(self, robot: Robot, variant: Variant, bound: Array | None) -> None:
         """`bound` (n,) [Nm] is the torque bound about gravity, None without one."""
         self.variant = variant
         self.controller = make_controller(robot, variant, bound)
@@ -121,9 +121,9 @@ class TimedController:
         return call
 
 
-def make_controller(robot: RobotConfig, variant: Variant, bound: Array | None) -> Controller:
+def make_controller(robot: Robot, variant: Variant, bound: Array | None) -> Controller:
     """A warm controller without torque rate limit, as in the paper's experiments."""
-    settings = ControllerSettings(
+    settings = Settings(
         formulation=variant.formulation,
         solver=variant.solver,
         control_dt=DT,

@@ -11,7 +11,7 @@ from ghc_controller.controller import Controller
 from ghc_controller.formulations import FormulationSettings
 from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 TARGET = (1.1, 0.5, 1.1)  # [m] of the end effector: 0.58 m out of reach
@@ -31,7 +31,7 @@ def run_unreachable(
         abs(v) over the last 3 s), jerk: sum of abs(change of acceleration) [rad/s^2].
     """
     plan = make_run(Timing())
-    settings = ControllerSettings(
+    settings = Settings(
         formulation=formulation,
         control_dt=_DT,
         velocity_limit=plan.scenario.parameters["controller"]["velocity_limit"],

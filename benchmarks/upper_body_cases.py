@@ -20,7 +20,7 @@ from ghc_controller.hierarchy import (
     matrix_from_hierarchy,
 )
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.robot.robot import Robot
 from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
@@ -73,11 +73,11 @@ def elbow_gap(controller: Controller, time: float) -> float:
     return task.gap(controller.model, controller.references.current(task.name, time))
 
 
-def _task(robot: RobotConfig, name: str) -> Task:
+def _task(robot: Robot, name: str) -> Task:
     return robot.tasks[robot.task_names.index(name)]
 
 
-def _path(robot: RobotConfig, task: str, knots: Knots, origin: Array) -> ReferenceTrajectory:
+def _path(robot: Robot, task: str, knots: Knots, origin: Array) -> ReferenceTrajectory:
     """Minimum-jerk motion from knot to knot: quintic, at rest in each."""
     points = np.array([origin + point for _, point in knots])
     still = np.zeros_like(points)

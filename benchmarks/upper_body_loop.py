@@ -14,7 +14,7 @@ from benchmarks.upper_body_cases import ROBOT, SCENE, Case, elbow_gap, prepare
 from ghc_controller.controller import Controller
 from ghc_controller.formulations import FormulationSettings
 from ghc_controller.report.report import StepStatus
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.simulator import Simulator
 
@@ -50,7 +50,7 @@ def run_case(
         dt: [s] control period.
         duration: [s], that of the case by default.
     """
-    settings = ControllerSettings(
+    settings = Settings(
         formulation=formulation,
         control_dt=dt,
         hierarchy=case.hierarchy,

@@ -15,7 +15,7 @@ from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy import PriorityMatrix, Transition
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepStatus
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.programs.markdown import table as markdown_table
@@ -57,7 +57,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 def _loop(case: Case, formulation: str, seed: int, duration: float) -> dict[str, Any]:
     controller = Controller.for_robot(
-        STUDY_ROBOTS / f"{case.robot}.yaml", ControllerSettings(formulation=formulation)
+        STUDY_ROBOTS / f"{case.robot}.yaml", Settings(formulation=formulation)
     )
     model = controller.model
     simulator = Simulator("kuka_lwr", joint_names=model.joint_names)

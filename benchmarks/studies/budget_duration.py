@@ -14,7 +14,7 @@ from benchmarks.study_results import shown
 from benchmarks.switching_loop import target_references
 from ghc_controller.controller import Controller
 from ghc_controller.hierarchy import Profile, Transition, matrix_from_hierarchy
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import RobotState
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
 from ghc_sim_bridge.programs.markdown import table as markdown_table
@@ -43,7 +43,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     budgets, curves = ((100.0, 1000.0), (1000.0,)) if quick else (_BUDGETS, _CURVES)
     found: dict[str, Any] = {}
     for name in formulations:
-        settings = ControllerSettings(formulation=name, torque_rate_limit=0.0, velocity_limit=1.2)
+        settings = Settings(formulation=name, torque_rate_limit=0.0, velocity_limit=1.2)
         controller = Controller.for_robot("kuka_lwr", settings)
         still = _case(controller)
         moving = replace(still, scene="kuka_lwr", lead=0.01 if quick else _LEAD)

@@ -13,7 +13,7 @@ from benchmarks.models import STUDY_ROBOTS
 from benchmarks.random_tasks import Reach, random_references
 from benchmarks.study_results import shown, shown_spread, spread
 from ghc_controller.controller import Controller
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import RobotState
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
@@ -53,7 +53,7 @@ def _of_formulation(formulation: str, sizes: dict[str, tuple[int, int]]) -> dict
 def _controller(robot: str, formulation: str) -> Controller:
     if robot == "icub":
         return icub_controller(formulation)
-    settings = ControllerSettings(formulation=formulation, torque_rate_limit=0.0)
+    settings = Settings(formulation=formulation, torque_rate_limit=0.0)
     return Controller.for_robot(STUDY_ROBOTS / "kuka_soft.yaml", settings)
 
 

@@ -19,7 +19,7 @@ from ghc_controller.formulations import (
     make_formulation,
 )
 from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
@@ -106,7 +106,7 @@ def _left_of(jacobian: Array, projector: Array) -> float:
 def _closed_loop(law: Formulation, timing: Timing) -> dict[str, Any]:
     """priority_switching without bounds: first task, calm and torque steps of each phase."""
     plan = make_run(timing)
-    settings = ControllerSettings(
+    settings = Settings(
         formulation="ghc",
         control_dt=_PERIOD,
         torque_rate_limit=0.0,

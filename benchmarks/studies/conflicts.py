@@ -15,7 +15,7 @@ from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepStatus
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -56,7 +56,7 @@ def _of_arm(
     arm: str, formulation: str, pairs: list[Pair], window: tuple[float, float]
 ) -> dict[str, Any]:
     robot, scene = _ARMS[arm]
-    controller = Controller.for_robot(robot, ControllerSettings(formulation=formulation))
+    controller = Controller.for_robot(robot, Settings(formulation=formulation))
     simulator = Simulator(scene, joint_names=controller.model.joint_names)
     steps, speeds, unsolved, diverged = [], [], 0, 0
     for pair in pairs:

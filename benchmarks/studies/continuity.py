@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.study_results import shown
 from benchmarks.sweeps import problems_of, sweeps
 from ghc_controller.formulations import SolutionStatus, make_formulation
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "continuity"
@@ -21,7 +21,7 @@ _POINTS, _QUICK = 600, 12
 def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     """Torque differences between consecutive points of each sweep."""
     points = _QUICK if quick else _POINTS
-    settings = ControllerSettings().optimization
+    settings = Settings().optimization
     found: dict[str, dict[str, Any]] = {name: {} for name in formulations}
     for sweep in sweeps(points):
         problems = list(problems_of(sweep))

@@ -15,7 +15,7 @@ from ghc_controller.hierarchy import (
     smallest_singular_value,
 )
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Bounds, RobotState
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
@@ -74,7 +74,7 @@ def _duplicate() -> ControlProblem:
 
 def _far(formulation: str, size: float) -> str:
     """Status of one step of the arm whose hand is asked to be `size` meters away."""
-    controller = Controller.for_robot("kuka_lwr", ControllerSettings(formulation=formulation))
+    controller = Controller.for_robot("kuka_lwr", Settings(formulation=formulation))
     state = RobotState(0.0, np.full(7, 0.4), np.zeros(7))
     controller.observe(state)
     task = controller.robot.tasks[0]

@@ -11,7 +11,7 @@ from benchmarks.models import install_model
 from benchmarks.study_results import shown
 from ghc_controller.controller import Controller
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import RobotState
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -41,7 +41,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 def _standing(formulation: str, hierarchy: str) -> dict[str, Any]:
     controller = Controller.for_robot(
         "icub",
-        ControllerSettings(formulation=formulation, torque_rate_limit=0.0, hierarchy=hierarchy),
+        Settings(formulation=formulation, torque_rate_limit=0.0, hierarchy=hierarchy),
     )
     model = controller.model
     q = Simulator(SCENE, joint_names=model.joint_names).start

@@ -10,7 +10,7 @@ from benchmarks.icub_states import SEED, icub_controller, ten_task_problem, ten_
 from benchmarks.problem_check import is_feasible, violation
 from benchmarks.study_results import shown, spread
 from ghc_controller.formulations import SolutionStatus, make_formulation
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "icub_ten_tasks"
@@ -23,7 +23,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     """Every formulation on the same problems; feasibility by an independent linear program."""
     count = _QUICK if quick else _STATES
     controller = icub_controller("hqp")  # it only sets up the problems
-    settings = ControllerSettings().optimization
+    settings = Settings().optimization
     solvers = {name: make_formulation(name, settings) for name in formulations}
     status = {name: Counter({s.name: 0 for s in SolutionStatus}) for name in formulations}
     wrong = dict.fromkeys(formulations, 0)

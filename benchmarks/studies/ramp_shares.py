@@ -12,7 +12,7 @@ from benchmarks.random_tasks import Reach, random_references, strict_matrix
 from benchmarks.share_ramps import KINDS, STEPS, Ramp, follow, orders_of
 from benchmarks.study_results import shown, spread
 from ghc_controller.controller import Controller
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import RobotState
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
@@ -42,7 +42,7 @@ def _of_robot(robot: str, formulation: str, count: int) -> dict[str, Any]:
         controller = icub_controller(formulation)
         cases = list(ten_task_states(icub_controller("hqp"), count))
     else:
-        settings = ControllerSettings(formulation=formulation, torque_rate_limit=0.0)
+        settings = Settings(formulation=formulation, torque_rate_limit=0.0)
         controller = Controller.for_robot(robot, settings)
         cases = list(_arm_states(controller, count))
     ramps: dict[str, list[Ramp]] = {kind: [] for kind in KINDS}

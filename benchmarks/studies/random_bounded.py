@@ -12,7 +12,7 @@ from benchmarks.problem_check import violation
 from benchmarks.reference_cascade import Damping
 from benchmarks.study_results import shown, shown_spread, spread
 from ghc_controller.formulations import SolutionStatus, make_formulation
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "random_bounded"
@@ -27,7 +27,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     from reference.hard_cascade import kept_damping
 
     count = _QUICK if quick else _PROBLEMS
-    settings = ControllerSettings().optimization
+    settings = Settings().optimization
     w = settings.regularization
     solvers = {name: make_formulation(name, settings) for name in formulations}
     status = {name: Counter({s.name: 0 for s in SolutionStatus}) for name in formulations}

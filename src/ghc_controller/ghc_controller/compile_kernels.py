@@ -13,10 +13,10 @@ from ghc_controller.contacts import Contact
 from ghc_controller.controller import Controller
 from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.robot.library import find_robot, list_robots
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.robot.urdf import package_of
 from ghc_controller.schema.reader import Fields, read_yaml
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.tasks.registry import make_task
 
 _GAINS: dict[str, object] = {"stiffness": 30.0, "damping": 20.0}
@@ -26,7 +26,7 @@ _CONTACTS: tuple[dict[str, object], ...] = (
 )
 
 
-def every_kind_of_task() -> RobotConfig:
+def every_kind_of_task() -> Robot:
     """A robot of this package with a task of every kind, one of them with force control."""
     robot = load_robot_config(_robot_file())
     frame = robot.model.frame_names[-1]
@@ -56,7 +56,7 @@ def _robot_file() -> Path:
 def main() -> None:
     """Compile for every formulation."""
     for formulation in FORMULATIONS:
-        settings = ControllerSettings(formulation=formulation, torque_bound=1.0)
+        settings = Settings(formulation=formulation, torque_bound=1.0)
         Controller(every_kind_of_task(), settings).warm_up()
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ghc_controller.constraints.obstacle import ObstacleDistance
 from ghc_controller.contacts import (
@@ -41,11 +42,11 @@ from ghc_controller.report.reporting import (
     make_report,
     task_reports,
 )
-from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.library import load_robot
+from ghc_controller.robot.robot import Robot
 from ghc_controller.safety.braking import braking_torque
 from ghc_controller.safety.gate import OutputGate
-from ghc_controller.settings import ControllerSettings, make_constraints
+from ghc_controller.settings import Settings, make_constraints
 from ghc_controller.tasks.second_order import second_order_terms
 from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.types import Array, Dynamics, RobotState
@@ -63,9 +64,9 @@ class Controller:
         GhcError: from the robot's file or the settings, with what was given and expected.
     """
 
-    def __init__(self, robot: RobotConfig, settings: ControllerSettings | None = None) -> None:
+    def __init__(self, robot: Robot, settings: Settings | None = None) -> None:
         self.robot = robot
-        self.settings = settings or ControllerSettings()
+        self.settings = settings or Settings()
         self.model = robot.model
         self.references = ReferenceSchedule(robot.tasks)
         self.stack = TaskStack(robot.tasks, self.model.nv)
@@ -92,6 +93,7 @@ class Controller:
             matrix_from_hierarchy(robot.task_names, hierarchy), self.sigma_min_of, self.solvability
         )
         self._priorities = self.priorities.in_force  # of the last step
+        self._time = 0.0  # [s] of the last state looked at
         self._applied: Array | None = None
         self._last: StepResult | None = None
         self._limits: Limits | None = None
@@ -102,11 +104,9 @@ class Controller:
         self.counts |= self.formulation.solver.counts
 
     @classmethod
-    def for_robot(
-        cls, robot: str | Path, settings: ControllerSettings | None = None
-    ) -> Controller:
+    def for_robot(cls, robot: str | Path, settings: Settings | None = None) -> Controller:
         """Controller of a robot by name or by the path of its robot.yaml."""
-        return cls(load_robot_config(find_robot(robot)), settings)
+        return cls(load_robot(robot), settings)
 
     def warm_up(self) -> None:
         """Compile and load every kernel, so that no tick takes longer for it, also in contact."""
@@ -174,15 +174,61 @@ class Controller:
 
     def observe(self, state: RobotState) -> None:
         """Look at a state without answering it: requests are judged at its configuration."""
+        self._time = state.time
         self.model.update(state.q, state.v)
         self._begin_references()
         self.stack.update(self.model, state, self.references)
         planned = self.force_bounds.at(state.time)
         self._contact_rows_seen = self._contact_rows(planned, state.time)
 
+    def start(self, state: RobotState) -> None:
+        """Get ready at a state: compile what a step needs, forget the past, and look at it."""
+        self.warm_up()
+        self.observe(state)
+
+    def set_reference(self, task: str, position: ArrayLike, start: float | None = None) -> None:
+        """Let a task go to a standing position from `start` [s] on, at once without.
+
+        Args:
+            position: as the task counts it: [m], [rad], or a quaternion x, y, z, w.
+
+        Raises:
+            UnknownName: there is no such task.
+            WrongSize, InvalidValue: the position does not fit the task.
+        """
+        kind = self.schedule_of(task).task(task)
+        target = kind.static_target(np.array(position, dtype=np.float64))
+        self.add_reference(ReferenceTrajectory.static(kind, target, start or 0.0))
+
+    def change_hierarchy(
+        self,
+        hierarchy: str,
+        start: float | None = None,
+        duration: float = 2.0,
+        torque_rate: float = 0.0,
+    ) -> bool:
+        """Schedule a change to a hierarchy such as "a > b = c"; arguments as in Transition.
+
+        Args:
+            start: [s], at once without.
+
+        Returns:
+            False for a repeat that changes nothing.
+
+        Raises:
+            UnknownName, InvalidValue: as `matrix_from_hierarchy` and `add_transition` do.
+        """
+        target = matrix_from_hierarchy(self.robot.task_names, hierarchy)
+        begin = self._time if start is None else start
+        transition = Transition(
+            target, begin, duration, hierarchy=hierarchy, torque_rate=torque_rate
+        )
+        return self.add_transition(transition, self._time)
+
     def step(self, state: RobotState) -> StepResult:
         """Torque for one robot state; never raises for what a robot can be in."""
         begin = perf_counter()
+        self._time = state.time
         model = self.model
         dynamics = model.update(state.q, state.v)
         self._begin_references()

@@ -16,11 +16,11 @@ from ghc_controller.constraints import (
 )
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import DEFAULT_FORMULATION, FormulationSettings
-from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
-class ControllerSettings:
+class Settings:
     """Numbers that a user may change without touching the robot's file.
 
     Raises:
@@ -49,12 +49,12 @@ class ControllerSettings:
             if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
                 raise InvalidValue(f"{name} = {getattr(self, name)} given, at least 0 expected")
 
-    def rate_limit(self, robot: RobotConfig) -> float:
+    def rate_limit(self, robot: Robot) -> float:
         """Torque rate limit in force [Nm/s]; 0 = off."""
         return robot.torque_rate if self.torque_rate_limit < 0.0 else self.torque_rate_limit
 
 
-def make_constraints(robot: RobotConfig, settings: ControllerSettings) -> ConstraintSet:
+def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
     """Constraints of the robot under these settings (design, section 5)."""
     model, limits = robot.model, robot.model.limits
     constraints: list[Constraint] = [TorqueLimit(limits.torque, model.na)]

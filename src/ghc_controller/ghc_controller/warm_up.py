@@ -19,7 +19,7 @@ from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus, Planne
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepResult
-from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.robot.robot import Robot
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array, Bounds, RobotState
 
@@ -28,7 +28,7 @@ class Controller(Protocol):
     """What is used of a controller."""
 
     @property
-    def robot(self) -> RobotConfig: ...
+    def robot(self) -> Robot: ...
     @property
     def model(self) -> RobotModel: ...
     @property

@@ -21,9 +21,9 @@ from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.schema.reader import Fields
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 
 STEP = 1e-6  # [s] of finite differences
@@ -31,17 +31,17 @@ SQUARE = [[0.05, 0.03, 0.1], [-0.05, 0.03, 0.1], [0.05, -0.03, 0.1], [-0.05, -0.
 
 
 @pytest.fixture(scope="module")
-def robot() -> RobotConfig:
+def robot() -> Robot:
     """An arm; its contacts are those of each test."""
     return load_robot_config(find_robot("kuka_lwr"))
 
 
-def _contact(robot: RobotConfig, **fields: object) -> Contact:
+def _contact(robot: Robot, **fields: object) -> Contact:
     entry = {"name": "tip", "frame": "tool", "points": [[0, 0, 0]], "normal": [0, 0, 1]} | fields
     return Contact.from_config(Fields(entry, "test"), robot.model)
 
 
-def _rows(robot: RobotConfig, contact: Contact) -> ContactRows:
+def _rows(robot: Robot, contact: Contact) -> ContactRows:
     contacts = ContactSet([contact])
     bounds = BoundsInForce([replace(contact, active=True)]).at(0.0)
     rows = contacts.rows(robot.model, bounds, ReferenceSchedule([]), 0.0)
@@ -59,7 +59,7 @@ def _points(model: RobotModel, contact: Contact, q: Array) -> Array:
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 @pytest.mark.parametrize("points", [[[0, 0, 0]], SQUARE[:2], SQUARE])
 def test_rows_are_the_motion_of_the_points(
-    robot: RobotConfig, friction: float, points: list[list[float]]
+    robot: Robot, friction: float, points: list[list[float]]
 ) -> None:
     """Force Jacobian and drift against finite differences of the points along the axes."""
     model, rng = robot.model, np.random.default_rng(3)
@@ -79,7 +79,7 @@ def test_rows_are_the_motion_of_the_points(
     assert np.allclose(rows.drift_target, expected, atol=1e-4)
 
 
-def test_axes_are_right_handed_about_the_normal(robot: RobotConfig) -> None:
+def test_axes_are_right_handed_about_the_normal(robot: Robot) -> None:
     for normal in np.random.default_rng(0).normal(size=(20, 3)):
         axes = _contact(robot, normal=normal.tolist()).axes
         assert np.allclose(axes @ axes.T, np.eye(3), atol=1e-12)
@@ -87,7 +87,7 @@ def test_axes_are_right_handed_about_the_normal(robot: RobotConfig) -> None:
         assert np.allclose(axes[2], normal / np.linalg.norm(normal))
 
 
-def test_pyramid_lies_in_the_cone(robot: RobotConfig) -> None:
+def test_pyramid_lies_in_the_cone(robot: Robot) -> None:
     """Whatever meets the linear rows meets Coulomb's law, eq. 5.3; pulling does not."""
     contact = _contact(robot, friction=0.6)
     rows = _rows(robot, contact)
@@ -99,14 +99,12 @@ def test_pyramid_lies_in_the_cone(robot: RobotConfig) -> None:
 
 
 @pytest.mark.parametrize("formulation", sorted(FORMULATIONS))
-def test_the_force_follows_its_reference_up_to_the_bound(
-    robot: RobotConfig, formulation: str
-) -> None:
+def test_the_force_follows_its_reference_up_to_the_bound(robot: Robot, formulation: str) -> None:
     """F_n = F_ref while the bounds allow it, then the bound; the contact stays still."""
     contact = _contact(robot, friction=0.4, active=True, force_task={"weight": 1.0})
     controller = Controller(
         replace(robot, contacts=(contact,)),
-        ControllerSettings(formulation=formulation, torque_rate_limit=0.0),
+        Settings(formulation=formulation, torque_rate_limit=0.0),
     )
     q = np.array([0.0, 0.4, 0.1, 1.0, -0.4, -0.9, 0.0])
     state = RobotState(0.0, q, 0.1 * np.ones(7), np.zeros(7))
@@ -133,12 +131,10 @@ def test_the_force_follows_its_reference_up_to_the_bound(
         assert ("contact.tip.upper" in report.active_constraints) == (upper < 15.0)
 
 
-def test_bounds_that_torques_cannot_meet_give_way_and_are_named(robot: RobotConfig) -> None:
+def test_bounds_that_torques_cannot_meet_give_way_and_are_named(robot: Robot) -> None:
     """A smallest force that would need more torque than there is yields, by name."""
     contact = _contact(robot, friction=0.4, active=True)
-    controller = Controller(
-        replace(robot, contacts=(contact,)), ControllerSettings(torque_rate_limit=0.0)
-    )
+    controller = Controller(replace(robot, contacts=(contact,)), Settings(torque_rate_limit=0.0))
     q = np.array([0.0, 0.4, 0.1, 1.0, -0.4, -0.9, 0.0])
     controller.force_bounds.follow(_plan(["tip"], [5000.0], [6000.0]))
     result = controller.step(RobotState(0.0, q, np.zeros(7), np.zeros(7)))
@@ -164,7 +160,7 @@ def _plan(
     )
 
 
-def test_after_its_plan_a_contact_holds_or_is_released(robot: RobotConfig) -> None:
+def test_after_its_plan_a_contact_holds_or_is_released(robot: Robot) -> None:
     held = _contact(robot, name="held", force_upper=100.0)
     freed = _contact(robot, name="freed", force_upper=100.0, on_stale="release")
     untold = _contact(robot, name="untold", active=True, force_upper=70.0)
@@ -180,7 +176,7 @@ def test_after_its_plan_a_contact_holds_or_is_released(robot: RobotConfig) -> No
     assert bounds.at(0.0).active == (False, False, True)
 
 
-def test_of_a_plan_the_contacts_that_the_robot_lacks_are_left_out(robot: RobotConfig) -> None:
+def test_of_a_plan_the_contacts_that_the_robot_lacks_are_left_out(robot: Robot) -> None:
     bounds = BoundsInForce([_contact(robot, force_upper=100.0)])
     plan = _plan(["heel", "tip", "toe"], [1.0, 2.0, 3.0], [7.0, 8.0, 9.0])
     reasons = [str(error) for error in bounds.follow(plan)]
@@ -196,7 +192,7 @@ def test_of_a_plan_the_contacts_that_the_robot_lacks_are_left_out(robot: RobotCo
 
 
 def test_a_plan_for_unknown_contacts_alone_leaves_the_bounds_to_the_file(
-    robot: RobotConfig,
+    robot: Robot,
 ) -> None:
     bounds = BoundsInForce([_contact(robot, force_upper=100.0)])
     assert len(bounds.follow(_plan(["heel"], [0.0], [1.0]))) == 1
@@ -217,20 +213,20 @@ def test_a_plan_for_unknown_contacts_alone_leaves_the_bounds_to_the_file(
         ({"stiff": 1}, "stiff: unknown field"),
     ],
 )
-def test_bad_fields_are_named(robot: RobotConfig, fields: dict[str, object], words: str) -> None:
+def test_bad_fields_are_named(robot: Robot, fields: dict[str, object], words: str) -> None:
     with pytest.raises(ConfigurationError) as error:
         _contact(robot, **fields)
     assert words in str(error.value)
 
 
-def test_a_normal_needs_a_direction_and_names_must_differ(robot: RobotConfig) -> None:
+def test_a_normal_needs_a_direction_and_names_must_differ(robot: Robot) -> None:
     with pytest.raises(InvalidValue, match="direction expected"):
         _contact(robot, normal=[0, 0, 0])
     with pytest.raises(InvalidValue, match="given twice"):
         ContactSet([_contact(robot), _contact(robot)])
 
 
-def test_friction_use_is_the_share_of_the_cone(robot: RobotConfig) -> None:
+def test_friction_use_is_the_share_of_the_cone(robot: Robot) -> None:
     """Of the worst point that carries something; 0 without friction, or off."""
     contacts = ContactSet(
         [

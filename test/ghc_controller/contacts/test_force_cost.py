@@ -10,9 +10,9 @@ from ghc_controller.contacts import Contact, ForceBoundsPlan, ForceCost, PlanSta
 from ghc_controller.controller import Controller
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.schema.reader import Fields
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 
 WEIGHT = 1e-4  # [-] on |f|^2
@@ -23,12 +23,12 @@ NORMAL = np.tile([0.0, 0.0, 1.0], 4)
 
 
 @pytest.fixture(scope="module")
-def robot() -> RobotConfig:
+def robot() -> Robot:
     """Only its frames are needed."""
     return load_robot_config(find_robot("kuka_lwr"))
 
 
-def _feet(robot: RobotConfig, count: int) -> list[Contact]:
+def _feet(robot: Robot, count: int) -> list[Contact]:
     return [
         Contact.from_config(
             Fields(
@@ -59,9 +59,7 @@ def _standing_force(rng: np.random.Generator) -> Array:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_expansion_has_gradient_and_curvature_of_the_cost(
-    robot: RobotConfig, seed: int
-) -> None:
+def test_the_expansion_has_gradient_and_curvature_of_the_cost(robot: Robot, seed: int) -> None:
     """H (f - f_0) and H at the last forces against finite differences."""
     rng = np.random.default_rng(seed)
     last = _standing_force(rng)
@@ -79,7 +77,7 @@ def test_the_expansion_has_gradient_and_curvature_of_the_cost(
         assert direction @ hessian @ direction == pytest.approx(bend, rel=1e-3)
 
 
-def test_over_the_steps_the_forces_are_those_of_the_least_cost(robot: RobotConfig) -> None:
+def test_over_the_steps_the_forces_are_those_of_the_least_cost(robot: Robot) -> None:
     """Newton's steps under a balance of forces and moments, against a general optimiser."""
     balance = _balance()
     force = _settled(robot, STANDING)
@@ -95,7 +93,7 @@ def test_over_the_steps_the_forces_are_those_of_the_least_cost(robot: RobotConfi
     assert np.allclose(force, best.x, atol=0.05)
 
 
-def test_a_light_foot_is_used_like_the_heavy_one(robot: RobotConfig) -> None:
+def test_a_light_foot_is_used_like_the_heavy_one(robot: Robot) -> None:
     """Where |f|^2 alone would put its centre of pressure beside the sole."""
     reach = 0.04  # [m] of the sole to the side
     plain, shared = (_sideways(_settled(robot, weight)) for weight in (0.0, STANDING))
@@ -104,7 +102,7 @@ def test_a_light_foot_is_used_like_the_heavy_one(robot: RobotConfig) -> None:
     assert shared[1] == pytest.approx(shared[0], abs=0.1 * reach)
 
 
-def test_without_a_weight_it_is_the_square_of_the_forces(robot: RobotConfig) -> None:
+def test_without_a_weight_it_is_the_square_of_the_forces(robot: Robot) -> None:
     cost = ForceCost(_feet(robot, 1), 0.0)
     cost.remember(0, _standing_force(np.random.default_rng(0)))
     cost.advance()
@@ -113,7 +111,7 @@ def test_without_a_weight_it_is_the_square_of_the_forces(robot: RobotConfig) -> 
     assert np.allclose(factor @ factor.T, np.eye(12) / WEIGHT)
 
 
-def test_reset_forgets(robot: RobotConfig) -> None:
+def test_reset_forgets(robot: Robot) -> None:
     cost, fresh = (ForceCost(_feet(robot, 1), STANDING) for _ in range(2))
     cost.remember(0, _standing_force(np.random.default_rng(0)))
     cost.advance()
@@ -129,7 +127,7 @@ def test_reset_forgets(robot: RobotConfig) -> None:
 @pytest.fixture(scope="module")
 def standing() -> Controller:
     """iCub with its knees bent, on both soles."""
-    return Controller.for_robot("icub", ControllerSettings(torque_rate_limit=0.0))
+    return Controller.for_robot("icub", Settings(torque_rate_limit=0.0))
 
 
 def _state(controller: Controller, time: float) -> RobotState:
@@ -194,7 +192,7 @@ def _balance() -> Array:
     return np.hstack([np.vstack([np.eye(3), _cross(arm + p)]) for arm in arms for p in points])
 
 
-def _settled(robot: RobotConfig, weight_force: float) -> Array:
+def _settled(robot: Robot, weight_force: float) -> Array:
     """(24,) forces of two feet that hold LEANING, after many steps."""
     balance, cost = _balance(), ForceCost(_feet(robot, 2), weight_force)
     force = np.zeros(24)

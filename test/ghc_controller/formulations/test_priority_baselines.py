@@ -30,7 +30,7 @@ from ghc_controller.formulations.baselines.strict_law import Level, order_in_for
 from ghc_controller.formulations.baselines.unifying import unifying
 from ghc_controller.hierarchy import Priorities, PriorityMatrix, Transition
 from ghc_controller.hierarchy.priorities import Candidate
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 
 TOLERANCE = 1e-8
@@ -146,7 +146,7 @@ def test_what_is_damped_brakes_towards_minus_kd_v(name: str) -> None:
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("kind", NO_ORDERS)
 def test_a_matrix_that_is_no_order_is_rejected_with_a_reason(name: str, kind: str) -> None:
-    controller = Controller.for_robot("kuka_lwr", ControllerSettings(formulation=name))
+    controller = Controller.for_robot("kuka_lwr", Settings(formulation=name))
     tasks = controller.robot.task_names
     target = PriorityMatrix(tasks, NO_ORDERS[kind])
     with pytest.raises(InvalidValue, match=f"'{name}' knows orders only"):

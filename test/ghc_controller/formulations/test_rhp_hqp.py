@@ -30,7 +30,7 @@ from ghc_controller.hierarchy import (
     matrix_from_hierarchy,
 )
 from ghc_controller.hierarchy.level_slots import LevelSlots
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 
 SWAP = order([0], [1], [2], tasks=3), order([1], [0], [2], tasks=3)
@@ -176,7 +176,7 @@ def _changes(phi: Array) -> Array:
 @pytest.mark.parametrize("name", ["rhp_hqp", "hqp_transition"])
 def test_what_is_no_order_is_rejected(name: str) -> None:
     """With the tasks and the reason in the message; an order is accepted."""
-    controller = Controller.for_robot("kuka_lwr", ControllerSettings(formulation=name))
+    controller = Controller.for_robot("kuka_lwr", Settings(formulation=name))
     tasks = controller.robot.task_names
     controller.observe(RobotState(0.0, np.full(7, 0.3), np.zeros(7)))
     alpha = np.array(matrix_from_hierarchy(tasks, " > ".join(tasks)).alpha)

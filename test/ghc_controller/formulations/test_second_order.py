@@ -15,7 +15,7 @@ from ghc_controller.formulations.second_order import level_term, positive_part
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import reduce_contacts
 from ghc_controller.problem.second_order_terms import SecondOrder
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 
 N, W, KD, RATE = 7, 1e-2, 20.0, 12.0
@@ -119,7 +119,7 @@ def test_ghc_rejects_the_term_and_says_why(name: str) -> None:
 @pytest.mark.parametrize("name", TAKES_IT)
 def test_a_controller_computes_the_terms_of_its_tasks(name: str) -> None:
     controller = Controller.for_robot(
-        "kuka_lwr", ControllerSettings(formulation=name, optimization=SETTINGS)
+        "kuka_lwr", Settings(formulation=name, optimization=SETTINGS)
     )
     model = controller.model
     q = np.array([0.1, 0.4, -0.2, 1.0, 0.3, -0.7, 0.0])

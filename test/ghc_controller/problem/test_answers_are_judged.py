@@ -18,7 +18,7 @@ from ghc_controller.numerics.small_factors import cholesky, inverse_factor
 from ghc_controller.qp import VIOLATION_TOLERANCE, make_solver
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepStatus
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import RobotState, TaskTarget
 
 _PROBLEMS = int(os.environ.get("HARD_PROBLEMS", "120"))
@@ -55,7 +55,7 @@ def test_hard_problems(name: str) -> None:
 @pytest.mark.parametrize("distance", [1e6, 1e12, 1e150, 1e300])
 def test_a_reference_out_of_this_world(name: str, distance: float) -> None:
     """The step ends within its pivots, and its torque is finite and within the limits."""
-    controller = Controller.for_robot("kuka_lwr", ControllerSettings(formulation=name))
+    controller = Controller.for_robot("kuka_lwr", Settings(formulation=name))
     q, v = np.full(7, 0.4), np.zeros(7)
     controller.observe(RobotState(0.0, q, v))
     task = controller.robot.tasks[0]

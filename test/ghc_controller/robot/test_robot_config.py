@@ -11,7 +11,7 @@ import yaml
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.tasks.frame_position import FramePositionTask
 
 URDF = """<robot name="two"><link name="base"/>
@@ -31,7 +31,7 @@ POSTURE = {"name": "rest", "kind": "posture"} | GAINS
 FORCE = {"axes": ["z"], "contact": "sole", "threshold": 1.0}
 
 
-def _load(folder: Path, **changes: Any) -> RobotConfig:
+def _load(folder: Path, **changes: Any) -> Robot:
     """A good robot.yaml with `changes` (None removes a field), loaded."""
     content: dict[str, Any] = {
         "name": "two",

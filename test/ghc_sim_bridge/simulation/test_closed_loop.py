@@ -11,7 +11,7 @@ from ghc_controller.controller import Controller
 from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.simulator import Simulator
 
@@ -35,7 +35,7 @@ def _run(formulation: str, duration: float, rate: float, swap_at: float, seconds
     simulator = Simulator("kuka_lwr", control_dt=DT, physics_dt=DT)
     controller = Controller.for_robot(
         "kuka_lwr",
-        ControllerSettings(
+        Settings(
             formulation=formulation, torque_rate_limit=rate, velocity_limit=1.2, hierarchy=START
         ),
     )

@@ -12,7 +12,7 @@ from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.schema.reader import Fields
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
     ContactForceBounds,
@@ -24,7 +24,7 @@ from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, 
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 DT, TICK, SENSOR = 1e-3, 10, 100  # [s], then periods of the generators and of the sensor
-SETTINGS = ControllerSettings(torque_rate_limit=0.0, velocity_limit=1.2, control_dt=DT)
+SETTINGS = Settings(torque_rate_limit=0.0, velocity_limit=1.2, control_dt=DT)
 
 
 @dataclass(frozen=True)

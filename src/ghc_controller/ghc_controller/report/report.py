@@ -100,3 +100,8 @@ class Report:
     contacts: ContactReport
     loads: LoadReport
     obstacles: tuple[ObstacleReport, ...]
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Norm of the motion rows of each task, by its name."""
+        return {task.name: task.motion_error for task in self.tasks}

@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.robot.robot import Robot, load_robot_config
 
 ROBOT_FILE = "robot.yaml"
 _DATA = Path(str(files("ghc_controller"))) / "robot" / "data"
@@ -32,6 +33,15 @@ def find_robot(robot: str | Path) -> Path:
     if text not in list_robots():
         raise UnknownName("robot", text, list_robots())
     return _DATA / text / ROBOT_FILE
+
+
+def load_robot(robot: str | Path) -> Robot:
+    """Robot of that name, or of a robot.yaml or its folder; raises as `find_robot` does.
+
+    Raises:
+        ConfigurationError: the file is wrong: file, field, what was given and expected.
+    """
+    return load_robot_config(find_robot(robot))
 
 
 def _at_path(path: Path) -> Path:

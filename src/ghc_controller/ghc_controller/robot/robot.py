@@ -20,7 +20,7 @@ _DEFAULT_BRAKE_ACCELERATION = 5.0  # [rad/s^2]
 
 
 @dataclass(frozen=True)
-class RobotConfig:
+class Robot:
     """Content of robot.yaml, ready to use.
 
     ```yaml
@@ -74,7 +74,7 @@ class RobotConfig:
         return tuple(dict.fromkeys(sensed + pressed))
 
 
-def load_robot_config(path: str | Path) -> RobotConfig:
+def load_robot_config(path: str | Path) -> Robot:
     """Read robot.yaml and the URDF that it names, and build model and tasks.
 
     Raises:
@@ -94,7 +94,7 @@ def load_robot_config(path: str | Path) -> RobotConfig:
     hierarchy = fields.text("hierarchy")
     contacts = _build_contacts(fields, model, tasks)
     fields.done()
-    return RobotConfig(
+    return Robot(
         path, name, urdf, floating_base, torque_rate, brake, model, tasks, hierarchy, contacts
     )
 

@@ -23,7 +23,7 @@ from ghc_controller.ros.node_parameters import (
     positive,
     several_of,
 )
-from ghc_controller.settings import ControllerSettings
+from ghc_controller.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +115,9 @@ class ControllerParameters:
     )
     executor: str = EXECUTOR
 
-    def settings(self) -> ControllerSettings:
+    def settings(self) -> Settings:
         """Settings of the controller; GhcError for a value out of range."""
-        return ControllerSettings(
+        return Settings(
             formulation=self.formulation,
             solver=self.qp_solver,
             control_dt=self.control_dt,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.metrics import (
     LimitCheck,
@@ -47,7 +47,7 @@ class Analysis:
 
     plan: RunPlan
     log: FullRateLog
-    robot: RobotConfig
+    robot: Robot
     limits: Limits
     history: RunHistory  # every 10 ms and at the end of each phase
     phase_errors: tuple[Mapping[str, float], ...]  # task -> error at the end of the phase
@@ -111,7 +111,7 @@ def _last_row(log: FullRateLog, end: float) -> int:
     return max(0, int(np.searchsorted(log.time, end - 1e-9)) - 1)
 
 
-def _limits(plan: RunPlan, log: FullRateLog, robot: RobotConfig) -> Limits:
+def _limits(plan: RunPlan, log: FullRateLog, robot: Robot) -> Limits:
     order = [robot.model.joint_index(name) for name in log.joint_names]
     read = robot.model.limits
     controller = plan.parameters["controller"]
@@ -132,7 +132,7 @@ def _limits(plan: RunPlan, log: FullRateLog, robot: RobotConfig) -> Limits:
     )
 
 
-def _torque_rate_limit(plan: RunPlan, robot: RobotConfig) -> float:
+def _torque_rate_limit(plan: RunPlan, robot: Robot) -> float:
     """The tighter one of controller and bridge [Nm/s]; 0 = off in both."""
     limits = [
         float(plan.parameters[node]["torque_rate_limit"]) for node in ("controller", "sim_bridge")
@@ -142,7 +142,7 @@ def _torque_rate_limit(plan: RunPlan, robot: RobotConfig) -> float:
     return min((limit for limit in limits if limit > 0.0), default=0.0)
 
 
-def _checks(log: FullRateLog, limits: Limits, robot: RobotConfig) -> list[LimitCheck]:
+def _checks(log: FullRateLog, limits: Limits, robot: Robot) -> list[LimitCheck]:
     checks = [
         LimitCheck("position", log.q, limits.position_lower, limits.position_upper),
         LimitCheck("velocity", log.v, -limits.velocity, limits.velocity),

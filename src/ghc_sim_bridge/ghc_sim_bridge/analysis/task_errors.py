@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.robot.robot import RobotConfig
+from ghc_controller.robot.robot import Robot
 from ghc_controller.tasks.frame_position import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.tasks.task import Task
@@ -47,7 +47,7 @@ class RunHistory:
 
 def recompute_history(
     log: FullRateLog,
-    robot: RobotConfig,
+    robot: Robot,
     references: Sequence[Reference],
     rows: NDArray[np.intp],
 ) -> RunHistory:
@@ -76,7 +76,7 @@ def recompute_history(
     return RunHistory(rows, log.time[rows], tasks, gravity)
 
 
-def gravity_torques(log: FullRateLog, robot: RobotConfig) -> Array:
+def gravity_torques(log: FullRateLog, robot: Robot) -> Array:
     """Torque that would hold the robot still, at every row of a log, (T, n) [Nm].
 
     With a floating base: held by its base, which no contact does.
@@ -118,7 +118,7 @@ class _Sample:
 
 
 def _targets(
-    robot: RobotConfig, references: Sequence[Reference], duration: float
+    robot: Robot, references: Sequence[Reference], duration: float
 ) -> Mapping[str, ReferenceTrajectory]:
     scripted = {reference.task: reference for reference in references}
     return {
@@ -129,7 +129,7 @@ def _targets(
     }
 
 
-def _sample(task: Task, robot: RobotConfig, state: RobotState, target: TaskTarget) -> _Sample:
+def _sample(task: Task, robot: Robot, state: RobotState, target: TaskTarget) -> _Sample:
     rows = task.rows(robot.model, state, target)
     motion = np.ones(len(rows.error), dtype=bool)
     measured = None

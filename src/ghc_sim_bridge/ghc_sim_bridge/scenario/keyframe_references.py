@@ -13,7 +13,7 @@ import numpy as np
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import RobotConfig, load_robot_config
+from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array, RobotState
 from ghc_sim_bridge.scenario.keyframes import JointMotion, Keyframes, joint_motion
@@ -74,7 +74,7 @@ def _point(task: Task, model: RobotModel, state: RobotState, a: Array) -> Refere
 
 
 def _whole_motion(
-    config: RobotConfig, scene: SceneDescription, joints: JointMotion
+    config: Robot, scene: SceneDescription, joints: JointMotion
 ) -> tuple[Array, Array, Array, Array]:
     """q (nq,), v (nv,), a (nv,), and origins (frames, 3) [m] of what it stands on as seen
     from the first of them."""

@@ -1,0 +1,77 @@
+"""The public names of the package, and the short way through the controller."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ghc_controller as ghc
+from ghc_controller.hierarchy import matrix_from_hierarchy
+from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_sim_bridge import Simulator, load_scene
+
+SOURCE = Path(__file__).resolve().parents[2] / "src" / "ghc_controller"
+SWAP = "elbow > end_effector > posture"
+
+
+def test_every_public_name_is_there() -> None:
+    assert 20 <= len(ghc.__all__) <= 35
+    for name in ghc.__all__:
+        assert getattr(ghc, name) is not None
+    assert set(ghc.__all__) <= set(dir(ghc))
+    with pytest.raises(AttributeError, match="no attribute 'Regulator'"):
+        ghc.Regulator  # noqa: B018
+    assert load_scene("kuka_lwr").name == "kuka_lwr"
+
+
+def test_one_version() -> None:
+    for file in ("setup.py", "package.xml"):
+        text = (SOURCE / file).read_text(encoding="utf-8")
+        assert re.search(rf"version[=>]\"?{re.escape(ghc.__version__)}\b", text)
+
+
+def test_the_short_way_is_the_long_way() -> None:
+    """The same torques, to the last bit, over a swap of 0.2 s."""
+    short = ghc.Controller(ghc.load_robot("kuka_lwr"))
+    simulator = Simulator("kuka_lwr", joint_names=short.model.joint_names)
+    short.start(simulator.state())
+    short.set_reference("elbow", [0.05, -0.35, 0.48])
+    assert short.change_hierarchy(SWAP, start=0.05, duration=0.1)
+    assert not short.change_hierarchy(SWAP, start=0.05, duration=0.1)
+    found = _torques(short, simulator)
+
+    long = ghc.Controller.for_robot("kuka_lwr")
+    long.warm_up()
+    simulator.reset()
+    long.observe(simulator.state())
+    task = long.references.task("elbow")
+    target = task.static_target(np.array([0.05, -0.35, 0.48]))
+    long.add_reference(ReferenceTrajectory.static(task, target))
+    matrix = matrix_from_hierarchy(long.robot.task_names, SWAP)
+    long.add_transition(ghc.Transition(matrix, start=0.05, duration=0.1), now=0.0)
+    assert np.array_equal(_torques(long, simulator), found)
+    assert short.report().errors == {t.name: t.motion_error for t in long.report().tasks}
+
+
+def _torques(controller: ghc.Controller, simulator: Simulator) -> np.ndarray:
+    torques = []
+    while simulator.time < 0.2 - 1e-9:
+        result = controller.step(simulator.state())
+        simulator.step(result.torque)
+        torques.append(result.torque)
+    return np.array(torques)
+
+
+def test_mistakes_are_named() -> None:
+    controller = ghc.Controller(ghc.load_robot("kuka_lwr"))
+    with pytest.raises(ghc.GhcError, match=r"unknown task 'hand'.*end_effector, elbow, posture"):
+        controller.set_reference("hand", [0.0, 0.0, 0.0])
+    with pytest.raises(ghc.GhcError, match="3"):
+        controller.set_reference("elbow", [0.0, 0.0])
+    with pytest.raises(ghc.GhcError, match="unknown task 'hand'"):
+        controller.change_hierarchy("hand > posture")
+    with pytest.raises(ghc.GhcError, match="unknown robot 'panther'"):
+        ghc.load_robot("panther")
