@@ -29,6 +29,12 @@ if TYPE_CHECKING:
     from ghc_controller.robot.library import list_robots as list_robots
     from ghc_controller.robot.library import load_robot as load_robot
     from ghc_controller.robot.robot import Robot as Robot
+    from ghc_controller.robot.task_entries import TaskEntry as TaskEntry
+    from ghc_controller.robot.task_entries import center_of_mass as center_of_mass
+    from ghc_controller.robot.task_entries import frame_orientation as frame_orientation
+    from ghc_controller.robot.task_entries import frame_pose as frame_pose
+    from ghc_controller.robot.task_entries import frame_position as frame_position
+    from ghc_controller.robot.task_entries import posture as posture
     from ghc_controller.settings import Settings as Settings
     from ghc_controller.tasks.registry import register_task as register_task
     from ghc_controller.tasks.task import Task as Task
@@ -60,6 +66,12 @@ _HOMES = {
     "list_robots": "robot.library",
     "load_robot": "robot.library",
     "matrix_from_hierarchy": "hierarchy",
+    "TaskEntry": "robot.task_entries",
+    "center_of_mass": "robot.task_entries",
+    "frame_orientation": "robot.task_entries",
+    "frame_pose": "robot.task_entries",
+    "frame_position": "robot.task_entries",
+    "posture": "robot.task_entries",
     "register_task": "tasks.registry",
 }
 __all__ = ["__version__", *_HOMES]

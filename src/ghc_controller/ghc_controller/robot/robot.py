@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
 from ghc_controller.model.limits import JointLimits, overridden
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.task_entries import TaskEntry
 from ghc_controller.robot.urdf import find_urdf
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.tasks.registry import make_task
@@ -61,6 +64,41 @@ class Robot:
     hierarchy: str
     contacts: tuple[Contact, ...] = ()
 
+    @classmethod
+    def from_urdf(
+        cls,
+        urdf: str | Path,
+        tasks: Sequence[TaskEntry],
+        hierarchy: str,
+        *,
+        name: str = "",
+        floating_base: bool = False,
+        limits: Mapping[str, Any] | None = None,
+        contacts: Sequence[Mapping[str, Any]] = (),
+    ) -> Robot:
+        """A robot written in Python: the fields of robot.yaml, read by the same reader.
+
+        Args:
+            urdf: path of the URDF. name: that of the file without.
+            limits, contacts: as in robot.yaml.
+
+        Raises:
+            ConfigurationError: one line with the field, what was given and expected.
+        """
+        path = Path(urdf).expanduser().resolve()
+        values: dict[str, Any] = {
+            "name": name or path.stem,
+            "urdf": str(path),
+            "floating_base": floating_base,
+            "tasks": [task.as_mapping() for task in tasks],
+            "hierarchy": hierarchy,
+        }
+        if limits:
+            values["limits"] = dict(limits)
+        if contacts:
+            values["contacts"] = [dict(contact) for contact in contacts]
+        return _from_fields(Fields(values, "Robot.from_urdf"), path)
+
     @property
     def task_names(self) -> tuple[str, ...]:
         """Names of the tasks, in the order of the file."""
@@ -81,7 +119,11 @@ def load_robot_config(path: str | Path) -> Robot:
         ConfigurationError: one line with the file, the field, what was given and expected.
     """
     path = Path(path)
-    fields = read_yaml(path)
+    return _from_fields(read_yaml(path), path)
+
+
+def _from_fields(fields: Fields, path: Path) -> Robot:
+    """`path`: robot.yaml, or the URDF of a robot without one."""
     name = fields.text("name")
     urdf = find_urdf(fields.value("urdf"), path)
     floating_base = fields.flag("floating_base", False)

@@ -1,0 +1,41 @@
+"""The examples run on public names alone and print what they promise."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import ghc_controller as ghc
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+ARGUMENTS = {"compare_formulations": ["0.1"]}
+PRINTS = {
+    "arm_swap_priorities": ["t = 8 s: {'end_effector': 0.31", "Nm/s at a period of 1 ms"],
+    "compare_formulations": [f"{name} " for name in ghc.FORMULATIONS],
+    "own_robot_in_python": ["mine: 7 joints", "SOLVED"],
+}
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+def test_examples_run(path: Path) -> None:
+    command = [sys.executable, str(path), *ARGUMENTS.get(path.stem, [])]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    for words in PRINTS[path.stem]:
+        assert words in run.stdout
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+def test_examples_are_short_and_use_public_names(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert 30 <= len(text.splitlines()) <= 60
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom):
+            assert node.module in ("__future__", "ghc_sim_bridge")
+        if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "ghc":
+            assert node.attr in ghc.__all__
