@@ -93,8 +93,7 @@ def test_no_step_without_its_command_and_a_lost_answer_is_asked_for_again(
     start_bridge()
     state = client.connected_state()
     client.states.clear()
-    client.spin(0.4)
-    assert len(client.states) >= 4, "an unanswered state is repeated"
+    client.until(lambda: len(client.states) >= 4, "an unanswered state is repeated")
     assert all(repeat == state for repeat in client.states)
     late = answer(state, state.effort)
     late.header.stamp.nanosec = 500_000_000
