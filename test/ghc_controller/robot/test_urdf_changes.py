@@ -63,6 +63,27 @@ def test_a_humanoid_on_its_sole_has_the_frames_and_the_inertia_of_the_floating_o
         assert np.abs(found - mass[np.ix_(order, order)]).max() < 1e-12
 
 
+def test_an_arm_with_locked_joints_has_the_inertia_of_the_whole_one_with_them_at_zero() -> None:
+    """Mass matrix of the joints left and pose of the tool, to 1e-12: 10 postures, seed 0."""
+    file = find_robot("kuka_lwr")
+    names = ["joint_2", "joint_7"]
+    part = pin.buildModelFromUrdf(str(find_urdf({"file": "kuka_lwr.urdf", "locked": names}, file)))
+    whole = pin.buildModelFromUrdf(str(file.parent / "kuka_lwr.urdf"))
+    left = [k for k in range(7) if f"joint_{k + 1}" not in names]
+    assert list(part.names)[1:] == [f"joint_{k + 1}" for k in left]
+    a, b = whole.createData(), part.createData()
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        q = np.zeros(7)
+        q[left] = rng.uniform(-1.0, 1.0, size=len(left))
+        expected = _symmetric(pin.crba(whole, a, q))[np.ix_(left, left)]
+        assert np.abs(_symmetric(pin.crba(part, b, q[left])) - expected).max() < 1e-12
+        pin.framesForwardKinematics(whole, a, q)
+        pin.framesForwardKinematics(part, b, q[left])
+        tool = a.oMf[whole.getFrameId("tool")].homogeneous
+        assert np.abs(b.oMf[part.getFrameId("tool")].homogeneous - tool).max() < 1e-12
+
+
 def test_a_frame_is_where_it_is_put_and_an_arm_can_hang_from_its_tool(tmp_path: Path) -> None:
     source = find_robot("kuka_lwr").parent / "kuka_lwr.urdf"
     entry = {
@@ -103,6 +124,8 @@ def test_the_changed_file_is_written_once_and_follows_its_source(tmp_path: Path)
         ({"frames": {"a": {"link": "b", "position": [0, 0, 0]}}}, UnknownName, "'b'"),
         ({"frames": {"a": {"link": "tool"}}}, ConfigurationError, "urdf.frames.a.position"),
         ({"roof": "tool"}, ConfigurationError, "urdf: the path of a file"),
+        ({"locked": "joint_7"}, ConfigurationError, "urdf.locked: a list of names"),
+        ({"file": "robot.yaml", "locked": ["joint_7"]}, ConfigurationError, "be read as XML"),
     ],
 )
 def test_what_the_urdf_has_not_is_rejected_by_name(
@@ -111,3 +134,9 @@ def test_what_the_urdf_has_not_is_rejected_by_name(
     file = find_robot("kuka_lwr")
     with pytest.raises(error, match=message):
         find_urdf({"file": "kuka_lwr.urdf"} | changes, file)
+
+
+def test_a_cache_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "cache").write_text("a file where the folder should be", encoding="utf-8")
+    with pytest.raises(ConfigurationError, match=r"ghc_controller/urdf/.*cannot be written"):
+        find_urdf({"file": "kuka_lwr.urdf", "locked": ["joint_7"]}, find_robot("kuka_lwr"))

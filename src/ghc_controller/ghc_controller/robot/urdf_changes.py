@@ -39,7 +39,8 @@ class UrdfChanges:
             resource: file that a URI in a URDF means.
 
         Raises:
-            UnknownName: a link or joint that the URDF has not. ConfigurationError: no URDF.
+            UnknownName: a link or joint that the URDF has not.
+            ConfigurationError: no URDF, or the changed one cannot be written.
         """
         if not (self.root or self.locked or self.frames):
             return urdf
@@ -53,10 +54,7 @@ class UrdfChanges:
         target = _cache() / f"{urdf.stem}_{hashlib.sha256(key + text).hexdigest()[:16]}.urdf"
         if not target.is_file():
             self._change(robot, urdf, resource)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            part = target.with_suffix(f".{os.getpid()}")
-            part.write_text(ElementTree.tostring(robot, encoding="unicode"), encoding="utf-8")
-            part.replace(target)  # several nodes may write the same file at once
+            _write(target, ElementTree.tostring(robot, encoding="unicode"))
         return target
 
     def _change(self, robot: Element, urdf: Path, resource: Callable[[str, Path], Path]) -> None:
@@ -81,6 +79,16 @@ class UrdfChanges:
 def _cache() -> Path:
     base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return Path(base) / "ghc_controller" / "urdf"
+
+
+def _write(target: Path, text: str) -> None:
+    part = target.with_suffix(f".{os.getpid()}")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        part.write_text(text, encoding="utf-8")
+        part.replace(target)  # several nodes may write the same file at once
+    except OSError as error:
+        raise ConfigurationError(f"{target}: cannot be written: {error.strerror}") from error
 
 
 def _lock(joint: Element) -> None:
