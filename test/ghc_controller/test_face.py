@@ -109,3 +109,18 @@ def test_mistakes_in_a_robot_in_python_are_named() -> None:
     unknown = ghc.TaskEntry("frame_speed", "hand", 30.0, 20.0)
     with pytest.raises(ghc.GhcError, match=r"'frame_speed' given; known: .*frame_position"):
         ghc.Robot.from_urdf(urdf, [unknown], "hand")
+
+
+def test_a_reference_given_later_is_the_one_that_counts() -> None:
+    """At once means now: it replaces one that was scheduled for a time that has passed."""
+    controller = ghc.Controller(ghc.load_robot("kuka_lwr"))
+    q, v = np.full(7, 0.4), np.zeros(7)
+    controller.start(ghc.RobotState(0.0, q, v))
+    controller.set_reference("elbow", [0.1, 0.0, 0.5], start=0.5)
+    controller.step(ghc.RobotState(1.0, q, v))
+    at_first = controller.report().errors["elbow"]
+    here = controller.references.task("elbow").current(controller.model)
+    controller.set_reference("elbow", here)
+    controller.step(ghc.RobotState(1.001, q, v))
+    assert at_first > 0.01
+    assert controller.report().errors["elbow"] < 1e-9

@@ -124,6 +124,7 @@ class Controller:
         for task in self.robot.tasks:
             task.reset()
         self.formulation.solver.reset()
+        self._time = 0.0
         self._applied = None
         self._last = None
         self._limits = None
@@ -198,7 +199,8 @@ class Controller:
         """
         kind = self.schedule_of(task).task(task)
         target = kind.static_target(np.array(position, dtype=np.float64))
-        self.add_reference(ReferenceTrajectory.static(kind, target, start or 0.0))
+        begin = self._time if start is None else start
+        self.add_reference(ReferenceTrajectory.static(kind, target, begin))
 
     def change_hierarchy(
         self,

@@ -108,15 +108,11 @@ def solve_qp(
 def _stages(source: ControlProblem) -> list[tuple[Bounds, bool]]:
     """Torque box, and whether normal force bounds give way too, in the order of giving way."""
     stages = [(source.torque, False)]
-    if _differ(source.torque_limit, source.torque):
+    if source.limits_rate:
         stages.append((source.torque_limit, False))
     if source.contacts is not None and source.contacts.bounds:
         stages.append((source.torque_limit, True))
     return stages
-
-
-def _differ(one: Bounds, other: Bounds) -> bool:
-    return not (np.array_equal(one.lower, other.lower) and np.array_equal(one.upper, other.upper))
 
 
 def _within(
@@ -144,7 +140,7 @@ def _within(
     )
     if whole <= VIOLATION_TOLERANCE and not reason:  # nothing gave way that counts
         return answer._replace(violation=whole)
-    gave_way = _differ(torque, reduced.source.torque)
+    gave_way = torque is not reduced.source.torque and reduced.source.limits_rate
     return answer._replace(status=SolutionStatus.RELAXED, rate_gave_way=gave_way, reason=reason)
 
 

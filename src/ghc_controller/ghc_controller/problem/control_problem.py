@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.priorities import Priorities
@@ -69,6 +71,14 @@ class ControlProblem:
     def alpha(self) -> Array:
         """(k, k) priority matrix."""
         return self.priorities.alpha
+
+    @property
+    def limits_rate(self) -> bool:
+        """Whether the torque box holds more than the torque limits, which is the torque rate."""
+        box, limit = self.torque, self.torque_limit
+        return box is not limit and not (
+            np.array_equal(box.lower, limit.lower) and np.array_equal(box.upper, limit.upper)
+        )
 
     def not_finite(self) -> str:
         """Name of the first part of the problem that is not finite; "" where all can be used."""

@@ -25,11 +25,7 @@ from ghc_controller.formulations.cascade.level_answers import (
     reduced_acceleration,
     rows_of,
 )
-from ghc_controller.formulations.cascade.torque_rate import (
-    limits_rate,
-    within_rate,
-    without_rate,
-)
+from ghc_controller.formulations.cascade.torque_rate import within_rate, without_rate
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.formulations.second_order import level_term
 from ghc_controller.hierarchy.directions import Starts
@@ -69,7 +65,7 @@ class Cascade(Formulation):
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
-        limited = limits_rate(problem)
+        limited = problem.limits_rate
         free = without_rate(problem) if limited else problem
         contact_free, forces = balanced_contacts(reduce_contacts(free))
         candidates, answers = problem.priorities.candidates, []
@@ -81,7 +77,8 @@ class Cascade(Formulation):
         if not limited:
             return answer
         self.solver.begin_part(1)
-        return within_rate(problem, answer, self.settings, self.solver)
+        within = contact_free._replace(source=problem)
+        return within_rate(within, forces, answer, self.settings, self.solver)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
         """Orders always have an answer; a target that is none must have one by `balanced`."""

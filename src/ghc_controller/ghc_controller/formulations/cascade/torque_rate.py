@@ -10,26 +10,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
-from ghc_controller.formulations.cascade.force_center import balanced_contacts
+from ghc_controller.formulations.cascade.force_center import ForceCenter
 from ghc_controller.formulations.cascade.level_answers import reduced_acceleration
 from ghc_controller.formulations.formulation import FormulationSettings
 from ghc_controller.formulations.nearest_answer import metric_factor
 from ghc_controller.problem.bounded_qp import solve_qp
 from ghc_controller.problem.box_kernels import is_outside
 from ghc_controller.problem.control_problem import ControlProblem
-from ghc_controller.problem.reduction import reduce_contacts
+from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.qp import VIOLATION_TOLERANCE, QpSolver
-
-
-def limits_rate(problem: ControlProblem) -> bool:
-    """Whether the torque box holds more than the torque limits."""
-    box, limit = problem.torque, problem.torque_limit
-    return box is not limit and not (
-        np.array_equal(box.lower, limit.lower) and np.array_equal(box.upper, limit.upper)
-    )
 
 
 def without_rate(problem: ControlProblem) -> ControlProblem:
@@ -38,7 +28,11 @@ def without_rate(problem: ControlProblem) -> ControlProblem:
 
 
 def within_rate(
-    problem: ControlProblem, answer: Solution, settings: FormulationSettings, solver: QpSolver
+    reduced: ReducedProblem,
+    forces: ForceCenter,
+    answer: Solution,
+    settings: FormulationSettings,
+    solver: QpSolver,
 ) -> Solution:
     """Answer of the levels where it meets the torque rate limit; else the nearest one that does.
 
@@ -46,14 +40,13 @@ def within_rate(
     + I with weights graded by the priorities; forces balance y and s_f moves them from those of
     the answer.
     """
-    box = problem.torque
+    box = reduced.source.torque
     if answer.status is SolutionStatus.FAILED or not is_outside(
         answer.torque, box.lower, box.upper, VIOLATION_TOLERANCE
     ):
         return answer
-    reduced, forces = balanced_contacts(reduce_contacts(problem))
     y = reduced_acceleration(reduced, answer.acceleration)
-    factor = metric_factor(reduced, problem.alpha, settings)
+    factor = metric_factor(reduced, reduced.source.alpha, settings)
     about = forces.parametrization(reduced, y, factor, 1.0)._replace(force=answer.force)
     found = solve_qp(reduced, about, solver)
     return found._replace(
