@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench study kinematics soak paper campaign lint format lock clean distclean
+.PHONY: help setup demo run test bench study kinematics soak paper campaign test-long lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
@@ -63,6 +63,10 @@ soak: setup ## memory of the generator nodes over ten simulated minutes
 test: setup ## all tests; ARGS goes to pytest
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all
 	@$(WORKSPACE) && exec .venv/bin/python -m pytest $(ARGS)
+
+test-long: setup ## what takes too long for every change: whole studies against what is asked
+	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all
+	@$(WORKSPACE) && exec .venv/bin/python -m pytest -m long $(ARGS)
 
 lint: setup ## ruff and mypy
 	@$(WORKSPACE) && ruff check && ruff format --check && mypy
