@@ -70,7 +70,7 @@ class ControllerNode:
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
         self._parameters = p = read_parameters(self.node, ControllerParameters)
         self.executor = p.executor
-        self._controller = Controller.for_robot(p.robot, p.settings())
+        self._controller = Controller.for_robot(p.robot, p.settings)
         self._controller.warm_up()
         self._reader = JointStateReader(self._controller.model.joint_names)
         base = (ODOMETRY,) if self._controller.model.floating_base else ()
@@ -78,7 +78,7 @@ class ControllerNode:
             base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
         )
         self._announcer = TickAnnouncer(
-            round(p.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
+            round(p.settings.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
         )
         self._rejections = Rejections()
         self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
@@ -93,7 +93,7 @@ class ControllerNode:
         self._publish_and_listen(stop)
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
-            f"{self._controller.formulation.name}, solver {p.qp_solver}: ready"
+            f"{self._controller.formulation.name}, solver {p.settings.qp_solver}: ready"
         )
         unheard = sorted(set(self._controller.robot.felt_contacts) - set(p.wait_for_contacts))
         if unheard:

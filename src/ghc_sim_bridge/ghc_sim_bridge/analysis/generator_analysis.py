@@ -12,6 +12,7 @@ import numpy as np
 from ghc_controller.contacts.contact import contact_axes
 from ghc_controller.robot.library import find_robot
 from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.generator_metrics import (
@@ -25,7 +26,6 @@ from ghc_sim_bridge.logs.constraint_series import ConstraintSeries
 from ghc_sim_bridge.scene.description import load_scene
 
 CONSTRAINTS = "constraints.npz"
-_HORIZON = 0.1  # [s] of eq. 4.2, the controller's default
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,9 @@ def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> Generato
         for name in series.contacts
         if name in normals and name in log.wrenches
     }
-    horizon = float(plan.parameters["controller"].get("obstacle_horizon", _HORIZON))
+    horizon = float(
+        plan.parameters["controller"].get("obstacle_horizon", Settings().obstacle_horizon)
+    )
     return GeneratorAnalysis(
         analysis=analysis,
         series=series,
