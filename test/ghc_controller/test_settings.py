@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from enum import Enum
+from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 import ghc_controller as ghc
 from ghc_controller.errors import ConfigurationError, InvalidValue
 from ghc_controller.formulations import FORMULATIONS, Metric, make_formulation
+from ghc_controller.robot.library import find_robot
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.declared import Entry, flat, flat_values
 from ghc_controller.schema.reader import Fields
@@ -89,3 +92,29 @@ def test_a_formulation_gets_its_numbers(name: str) -> None:
     formulation = make_formulation(name, settings.optimization)
     assert formulation.settings.regularization == 0.5
     assert formulation.projector.layer_damping == 0.25
+
+
+def robot_with(tmp_path: Path, settings: dict[str, Any]) -> ghc.Robot:
+    """The LWR with a section `settings` in its robot.yaml."""
+    source = find_robot("kuka_lwr")
+    values = yaml.safe_load(source.read_text(encoding="utf-8")) | {"settings": settings}
+    values["urdf"] = str(source.parent / values["urdf"])
+    file = tmp_path / "robot.yaml"
+    file.write_text(yaml.safe_dump(values), encoding="utf-8")
+    return ghc.load_robot(file)
+
+
+def test_a_robot_may_bring_its_own_settings(tmp_path: Path) -> None:
+    """They hold unless the caller gives others."""
+    robot = robot_with(tmp_path, {"velocity_damping": 5.0, "formulation": "hqp"})
+    controller = ghc.Controller(robot)
+    assert controller.formulation.name == "hqp"
+    assert controller.settings == ghc.Settings.of(velocity_damping=5.0, formulation="hqp")
+    assert ghc.Controller(robot, Settings()).settings == Settings()
+    assert ghc.Controller(ghc.load_robot("kuka_lwr")).settings == Settings()
+
+
+def test_a_wrong_setting_of_a_robot_is_told_file_and_field(tmp_path: Path) -> None:
+    robot = robot_with(tmp_path, {"metric": "distance"})
+    with pytest.raises(ConfigurationError, match=r"robot.yaml: settings.metric: 'distance' given"):
+        ghc.Controller(robot)

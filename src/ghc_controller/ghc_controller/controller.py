@@ -66,7 +66,7 @@ class Controller:
 
     def __init__(self, robot: Robot, settings: Settings | None = None) -> None:
         self.robot = robot
-        self.settings = settings or Settings()
+        self.settings = Settings.for_robot(robot) if settings is None else settings
         self.model = robot.model
         self.references = ReferenceSchedule(robot.tasks)
         self.stack = TaskStack(robot.tasks, self.model.nv)

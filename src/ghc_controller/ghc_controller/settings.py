@@ -18,7 +18,7 @@ from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS, Formu
 from ghc_controller.robot.robot import Robot
 from ghc_controller.schema.declared import check, declared, inline
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
-from ghc_controller.schema.record import from_mapping
+from ghc_controller.schema.record import from_mapping, read
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +68,15 @@ class Settings:
             ConfigurationError: an unknown name, or a value of another type or out of range.
         """
         return from_mapping(cls, values, "Settings.of")
+
+    @classmethod
+    def for_robot(cls, robot: Robot) -> Settings:
+        """Defaults, but for what the section `settings` of robot.yaml says.
+
+        Raises:
+            ConfigurationError: file and field, what was given and expected.
+        """
+        return cls() if robot.settings is None else read(robot.settings, cls)
 
     def __post_init__(self) -> None:
         check(self)

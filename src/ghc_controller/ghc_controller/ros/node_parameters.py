@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Any, TypeVar
 
@@ -10,8 +10,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
 from ghc_controller.errors import ConfigurationError, UnknownName
-from ghc_controller.schema.declared import declared, flat, flat_values
-from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE, Distinct, Domain, NotEmpty, OneOf
+from ghc_controller.schema.declared import flat, flat_values
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 
@@ -19,31 +18,6 @@ P = TypeVar("P")
 
 # Declared by rclpy itself in every node.
 _OF_RCLPY = frozenset({"use_sim_time", "start_type_description_service"})
-
-positive, not_negative, given = POSITIVE, NOT_NEGATIVE, NotEmpty()
-
-
-def parameter(default: Any, description: str, domain: Domain | None = None) -> Any:
-    """Declaration of a parameter that only a node has; a unit stands first, as "[s] wall"."""
-    unit, found, text = description.removeprefix("[").partition("] ")
-    if not (found and description.startswith("[")):
-        unit, text = "", description
-    return declared(text, default, unit=unit, domain=domain)
-
-
-def one_of(*choices: str) -> Domain:
-    """Domain: one of the texts."""
-    return OneOf(choices)
-
-
-def several_of(*choices: str) -> Domain:
-    """Domain: a list of distinct texts out of these."""
-    return Distinct(choices)
-
-
-EXECUTOR = parameter(
-    "events", "events (fast) or single (rclpy's default executor)", one_of("events", "single")
-)
 
 
 class ParameterFields(Fields):
@@ -61,12 +35,17 @@ class ParameterFields(Fields):
         return ConfigurationError(problem)
 
 
-def read_parameters(node: Node, kind: type[P]) -> P:
+def read_parameters(
+    node: Node, kind: type[P], base: Callable[[Fields], P | None] = lambda _: None
+) -> P:
     """Declare the fields of the dataclass `kind` on `node` and return their checked values.
 
     Fields that stand inline in it are parameters like its own. The node must be made with
     `automatically_declare_parameters_from_overrides=True`: only so can a misspelt name be told
     from a right one.
+
+    Args:
+        base: of what is given, what holds for the rest instead of the defaults of `kind`.
 
     Raises:
         ConfigurationError: a value has another type or is outside its domain.
@@ -81,7 +60,8 @@ def read_parameters(node: Node, kind: type[P]) -> P:
     for name in ours:
         if name not in known:
             raise UnknownName("parameter", name, known)
-    record = read(ParameterFields({name: item.value for name, item in ours.items()}), kind)
+    given_values = ParameterFields({name: item.value for name, item in ours.items()})
+    record = read(given_values, kind, base=base(given_values))
     for entry, value in flat_values(record):
         domain = entry.declaration.domain
         if node.has_parameter(entry.name):  # declared from outside, without a description

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ghc_controller.ros.node_parameters import EXECUTOR, given, parameter, positive, several_of
 from ghc_controller.schema.declared import inline
+from ghc_controller.schema.parameters import EXECUTOR, given, parameter, positive, several_of
 from ghc_controller.settings import Settings
 
 

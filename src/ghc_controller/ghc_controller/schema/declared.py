@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
-from enum import Enum
 from typing import Any, get_type_hints
 
 from ghc_controller.errors import InvalidField
@@ -23,6 +22,7 @@ from ghc_controller.schema.domains import Domain, Range
 
 _KEY = "declared"
 _INLINE = "inline"
+NO_FALLBACK = object()
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +36,12 @@ class Declaration:
     names: str = ""  # kind of name it refers to, such as "frame": checked where these are known
     of: str = "names"  # what a list of names is of, in messages
     per_row: bool = False  # one number, or one for each row of a task
-    optional: bool = False  # None where it is left out, though Python has to say so
+    fallback: Any = NO_FALLBACK  # where a file leaves it out, though Python has to say it
     empty: bool = True  # whether an optional list or text may be empty
     size: int | None = None  # entries that a list must have
+    later: type | None = None  # of a section that is handed on as Fields, to be read later
     read: Callable[[Any, str], Any] | None = None  # (fields, name) -> value: a reader of its own
-    schema: dict[str, Any] | None = None  # JSON Schema of a value with its own reader
+    schema: Callable[[Any], dict[str, Any]] | None = None  # of a value with its own reader
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,7 @@ def declared(text: str, default: Any = MISSING, **about: Any) -> Any:
         about: unit, domain and the other fields of `Declaration`.
     """
     metadata = {_KEY: Declaration(text, **about)}
-    if callable(default) and not isinstance(default, (type, Enum)):
+    if callable(default):
         return field(default_factory=default, metadata=metadata)
     return field(default=default, metadata=metadata)
 
@@ -96,7 +97,7 @@ def entries(kind: type) -> tuple[Entry, ...]:
                     item.name,
                     declaration.name or item.name,
                     hints[item.name],
-                    None if declaration.optional else _default(item),
+                    _default(item),
                     declaration,
                 )
             )
@@ -149,4 +150,9 @@ def _is_many(value: Any, domain: Domain) -> bool:
 
 
 def _default(item: Field[Any]) -> Any:
-    return item.default if item.default_factory is MISSING else item.default_factory()
+    declaration: Declaration = item.metadata[_KEY]
+    if declaration.fallback is not NO_FALLBACK:
+        return declaration.fallback
+    if item.default_factory is not MISSING:
+        return item.default_factory()
+    return item.default

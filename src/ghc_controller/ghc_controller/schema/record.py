@@ -95,6 +95,10 @@ class _Reader:
         if not entry.required and not self._fields.has(name):
             return entry.default if base is None else getattr(base, entry.field)
         kinds = kinds_of(entry.kind)
+        if declaration.later is not None:
+            many = get_origin(kinds[0]) is tuple
+            optional = not entry.required
+            return self._fields.sections(name, optional) if many else self._fields.section(name)
         if len(kinds) > 1:  # float | Mapping[str, float]
             return self._fields.number_or_map(name)
         return self._one(entry, kinds[0])

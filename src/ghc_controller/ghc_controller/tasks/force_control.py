@@ -12,11 +12,46 @@ from numpy.typing import NDArray
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
 WORLD_AXES = ("x", "y", "z")
+RELEASE_SHARE = 0.2  # [-] of the threshold, below which force control ends
 _MAX_STEP = 0.02  # [s] a longer gap between two states counts as this much integration time
+
+
+@dataclass(frozen=True, slots=True)
+class ForceFields:
+    """The section `force` of a task in robot.yaml."""
+
+    axes: tuple[str, ...] = declared(
+        "axes of the task that are under force control", names="axis", empty=False
+    )
+    contact: str = declared("contact of the scene whose wrench is measured")
+    threshold: float = declared(
+        "along these axes, above which force control begins", 1.0, unit="N", domain=NOT_NEGATIVE
+    )
+    release: float | None = declared(
+        f"below which it ends; left out = {RELEASE_SHARE} threshold",
+        None,
+        unit="N",
+        domain=NOT_NEGATIVE,
+    )
+    proportional: float = declared(
+        "gain on the force error, below 1", 0.0, unit="-", domain=NOT_NEGATIVE
+    )
+    integral: float = declared(
+        "gain on its integral, well below 1 / control_dt", 0.0, unit="1/s", domain=NOT_NEGATIVE
+    )
+    damping: float = declared(
+        "against the frame's velocity along these axes", 0.0, unit="1/s", domain=NOT_NEGATIVE
+    )
+    rise_time: float = declared(
+        "over which the desired force rises after touch-down", 0.1, unit="s", domain=NOT_NEGATIVE
+    )
 
 
 @dataclass(slots=True)
@@ -119,28 +154,24 @@ class ForceControl:
     @classmethod
     def from_config(cls, fields: Fields, frame_id: int, axes: Sequence[str]) -> ForceControl:
         """Build from the `force` section of a task in robot.yaml."""
-        force_axes = fields.names("axes", axes)
-        contact = fields.text("contact")
-        threshold = fields.number("threshold", 1.0, minimum=0.0)
-        release = fields.number("release", 0.2 * threshold, minimum=0.0)
-        if release > threshold:
+        given = read(fields, ForceFields, names={"axis": axes})
+        release = RELEASE_SHARE * given.threshold if given.release is None else given.release
+        if release > given.threshold:
             raise fields.error(
-                "release", f"{release} given, at most threshold {threshold} expected"
+                "release", f"{release} given, at most threshold {given.threshold} expected"
             )
-        control = cls(
+        return cls(
             frame_id,
             axes,
-            force_axes,
-            contact,
-            threshold,
+            given.axes,
+            given.contact,
+            given.threshold,
             release,
-            fields.number("proportional", 0.0, minimum=0.0),
-            fields.number("integral", 0.0, minimum=0.0),
-            fields.number("damping", 0.0, minimum=0.0),
-            fields.number("rise_time", 0.1, minimum=0.0),
+            given.proportional,
+            given.integral,
+            given.damping,
+            given.rise_time,
         )
-        fields.done()
-        return control
 
     def reset(self) -> None:
         """Back to motion control with a zero integral."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ghc_controller.ros.node_parameters import EXECUTOR, not_negative, parameter
 from ghc_controller.schema.declared import inline
+from ghc_controller.schema.parameters import EXECUTOR, not_negative, parameter
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
 from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleSettings
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ghc_controller.ros.node_parameters import (
+from ghc_controller.schema.parameters import (
     EXECUTOR,
     given,
     not_negative,

@@ -120,7 +120,7 @@ class Obstacle:
     normal: Vector | None = declared(
         "unit, to the frame: a plane through the positions; left out = a point",
         unit="-",
-        optional=True,
+        fallback=None,
     )
     track: tuple[Sighting, ...] = declared(
         "increasing times; not seen before the first one", empty=False
