@@ -23,7 +23,7 @@ def _urdf_schema(schema: Any) -> dict[str, Any]:
 
 def _tasks_schema(schema: Any) -> dict[str, Any]:
     """A list whose entries have the fields of their kind."""
-    entry = schema.one_of_kinds("task", "kind", task_entries())
+    entry = schema.one_of_kinds("kind", task_entries(), TaskFields)
     return {"type": "array", "items": entry, "minItems": 1}
 
 

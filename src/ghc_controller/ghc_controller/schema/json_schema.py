@@ -31,6 +31,7 @@ class SchemaWriter:
     def __init__(self, nodes: Mapping[str, type] | None = None) -> None:
         self._nodes = nodes or {}
         self._definitions: dict[str, JsonSchema] = {}
+        self._records: dict[str, type] = {}
 
     def document(
         self,
@@ -40,15 +41,17 @@ class SchemaWriter:
     ) -> JsonSchema:
         """The schema of a file that holds one record; `change` has the last word on it."""
         schema = change(self.fields(kind))
-        definitions = {"definitions": dict(sorted(self._definitions.items()))}
-        return {"$schema": DIALECT, "title": title} | schema | definitions
+        definitions = self._definitions | schema.pop("definitions", {})
+        written = {"definitions": dict(sorted(definitions.items()))}
+        return {"$schema": DIALECT, "title": title} | schema | written
 
     def record(self, kind: type) -> JsonSchema:
         """Reference to the definition of a dataclass, which is written at the first use."""
         name = kind.__name__
         if name not in self._definitions:
-            self._definitions[name] = {}  # a record that holds itself ends here
+            self._records[name] = kind
             self._definitions[name] = self.fields(kind)
+        assert self._records[name] is kind, f"two dataclasses are called {name}"
         return {"$ref": f"#/definitions/{name}"}
 
     def fields(self, kind: type) -> JsonSchema:
@@ -80,11 +83,16 @@ class SchemaWriter:
         found = {name: self.parameters_of(name) for name in nodes}
         return {"type": "object", "properties": found, "additionalProperties": False}
 
-    def one_of_kinds(self, key: str, kinds: Mapping[str, type]) -> JsonSchema:
-        """A record whose field `key` says which fields it has."""
+    def one_of_kinds(self, key: str, kinds: Mapping[str, type], common: type) -> JsonSchema:
+        """A record whose field `key` says which fields it has.
+
+        A kind that declares no more than the `common` fields may have any others.
+        """
         choices = []
         for kind, fields in kinds.items():
             schema = self.fields(fields)
+            if fields is common:
+                del schema["additionalProperties"]
             schema["properties"] = {key: {"const": kind}} | schema["properties"]
             schema["required"] = [key, *schema.get("required", ())]
             choices.append({"if": {"properties": {key: {"const": kind}}}, "then": schema})
@@ -100,9 +108,12 @@ class SchemaWriter:
         """Parameters of a node, none of them required: a run sets the others."""
         if node not in self._nodes:
             return {"type": "object"}
-        schema = self.fields(self._nodes[node])
-        schema.pop("required", None)
-        return schema
+        name = f"parameters_of_{node}"
+        if name not in self._definitions:
+            schema = self.fields(self._nodes[node])
+            schema.pop("required", None)
+            self._definitions[name] = schema
+        return {"$ref": f"#/definitions/{name}"}
 
     def _field(self, entry: Entry) -> JsonSchema:
         declaration = entry.declaration
