@@ -10,6 +10,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
 from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.migration.names import Kind, hint
 from ghc_controller.schema.declared import flat, flat_values
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
@@ -59,6 +60,9 @@ def read_parameters(
     }
     for name in ours:
         if name not in known:
+            words = hint(Kind.FIELD, name)
+            if words:
+                raise ConfigurationError(f"parameter '{name}': {words}")
             raise UnknownName("parameter", name, known)
     given_values = ParameterFields({name: item.value for name, item in ours.items()})
     record = read(given_values, kind, base=base(given_values))

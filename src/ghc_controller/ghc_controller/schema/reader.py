@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from ghc_controller.errors import ConfigurationError
+from ghc_controller.migration.names import Kind, hint
 from ghc_controller.schema.domains import Range, names_problem
 from ghc_controller.schema.value_checks import is_number, shown, vector_problem
 
@@ -170,6 +171,9 @@ class Fields:
         """Refuse fields that no reader asked for."""
         unknown = [field for field in self._values if field not in self._known]
         if unknown:
+            words = hint(Kind.FIELD, unknown[0])
+            if words:
+                raise self.error(unknown[0], words)
             known = ", ".join(dict.fromkeys(self._known))
             raise self.error(unknown[0], f"unknown field; known: {known}")
 
