@@ -30,6 +30,8 @@ def other(entry: Entry) -> Any:
         return list(type(entry.default))[-1].value
     if isinstance(entry.default, bool):
         return not entry.default
+    if isinstance(entry.default, int):
+        return entry.default + 1
     if isinstance(entry.default, float):
         return abs(entry.default) * 2.0 + 0.5
     return "hqp" if entry.name == "formulation" else "proxqp"
@@ -53,7 +55,7 @@ def test_names_are_unique_and_every_field_says_what_it_means() -> None:
     assert len(set(names)) == len(names)
     for entry in flat(ControllerParameters):
         assert entry.declaration.text
-        if isinstance(entry.default, float):
+        if isinstance(entry.default, (int, float)) and not isinstance(entry.default, bool):
             assert entry.declaration.unit, entry.name
 
 

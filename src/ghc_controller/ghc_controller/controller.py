@@ -83,7 +83,7 @@ class Controller:
         self.formulation = make_formulation(
             self.settings.formulation,
             self.settings.optimization,
-            make_solver(self.settings.qp_solver),
+            make_solver(self.settings.qp_solver, self.settings.solving),
         )
         self.gate = OutputGate(
             self.model.torque_limit, self.settings.rate_limit(robot), self.settings.control_dt

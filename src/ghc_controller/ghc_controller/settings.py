@@ -15,10 +15,12 @@ from ghc_controller.constraints import (
     TorqueRateLimit,
 )
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS, FormulationSettings
+from ghc_controller.qp import SolverSettings
 from ghc_controller.robot.robot import Robot
 from ghc_controller.schema.declared import check, declared, inline
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 from ghc_controller.schema.record import from_mapping, read
+from ghc_controller.types import CONTROL_DT
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +35,8 @@ class Settings:
 
     formulation: str = declared(", ".join(FORMULATIONS), DEFAULT_FORMULATION)
     qp_solver: str = declared("daqp or proxqp", "daqp")
-    control_dt: float = declared("control period", 1e-3, unit="s", domain=POSITIVE)
+    solving: SolverSettings = inline(SolverSettings)
+    control_dt: float = declared("control period", CONTROL_DT, unit="s", domain=POSITIVE)
     hierarchy: str = declared("hierarchy at the start; empty = of the robot's file", "")
     velocity_limit: float = declared(
         "of every joint; 0 = of the robot", 0.0, unit="rad/s", domain=NOT_NEGATIVE

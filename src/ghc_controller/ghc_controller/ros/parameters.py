@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ghc_controller.schema.declared import inline
 from ghc_controller.schema.parameters import EXECUTOR, given, parameter, positive, several_of
 from ghc_controller.settings import Settings
+from ghc_controller.types import PREVIEW_STEP
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class ControllerParameters:
         "plans that a step waits for: contact_force_bounds, obstacle_motion",
         several_of("contact_force_bounds", "obstacle_motion"),
     )
-    bounds_step: float = parameter(0.01, "[s] between two plans of a generator", positive)
+    bounds_step: float = parameter(PREVIEW_STEP, "[s] between two plans of a generator", positive)
     mirror_commands: bool = parameter(
         False, "publish /effort_controller/commands as well, order of the robot model"
     )

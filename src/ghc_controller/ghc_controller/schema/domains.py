@@ -140,4 +140,5 @@ def names_problem(values: Sequence[str], known: Sequence[str] | None) -> str:
 
 POSITIVE = Range(above=0.0)
 NOT_NEGATIVE = Range(minimum=0.0)
+AT_LEAST_ONE = Range(minimum=1.0)
 SHARE = Range(minimum=0.0, maximum=1.0)

@@ -20,7 +20,7 @@ from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, Range
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
-from ghc_controller.settings import Settings
+from ghc_controller.types import CONTROL_DT
 from ghc_sim_bridge.scenario.keyframes import Keyframes
 from ghc_sim_bridge.scenario.references import Reference, ReferenceFields, read_references
 from ghc_sim_bridge.scenario.schedules import (
@@ -138,7 +138,7 @@ class Scenario:
     scene: str = declared("name of a scene, or path from where the run is started")
     formulation: str = declared("name of a formulation", DEFAULT_FORMULATION)
     control_dt: float = declared(
-        "control period", Settings().control_dt, unit="s", domain=Range(minimum=1e-6)
+        "control period", CONTROL_DT, unit="s", domain=Range(minimum=1e-6)
     )
     transition: float = declared("duration of each ramp", 2.0, unit="s", domain=NOT_NEGATIVE)
     torque_rate: float = declared(

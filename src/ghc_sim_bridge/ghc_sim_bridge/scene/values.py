@@ -12,13 +12,13 @@ from ghc_controller.errors import InvalidField
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, OneOf, Range
 from ghc_controller.schema.reader import Fields
+from ghc_controller.types import UNIT_TOLERANCE
 
 Vector = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
 Limit = float | Mapping[str, float] | None
 
 SURFACE_KINDS = ("plane", "box")
-_LENGTH_TOLERANCE = 1e-3  # [-] how far the length of a given normal may be from 1
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
@@ -130,7 +130,7 @@ class Obstacle:
         """Normalize the normal; raise InvalidField for no unit vector and times that fall."""
         if self.normal is not None:
             length = math.hypot(*self.normal)
-            if abs(length - 1.0) > _LENGTH_TOLERANCE:
+            if abs(length - 1.0) > UNIT_TOLERANCE:
                 raise InvalidField("normal", f"length 1 expected, {length:g} given")
             x, y, z = self.normal
             object.__setattr__(self, "normal", (x / length, y / length, z / length))
