@@ -6,13 +6,13 @@ Between `<!-- table: parameters controller -->` or `<!-- table: message TaskStat
 
 from __future__ import annotations
 
-import math
 import re
-from dataclasses import fields
+from enum import Enum
 from pathlib import Path
-from typing import Any
 
 from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.schema.declared import Entry, flat
+from ghc_controller.schema.domains import OneOf
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
 from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 
@@ -31,26 +31,18 @@ _TABLE = re.compile(r"(<!-- table: (\w+) (\w+) -->\n).*?(<!-- end -->)", re.DOTA
 _FIELD = re.compile(
     r"(?P<type>\S+)\s+(?P<name>\w+)(?:\s*=\s*(?P<value>\S+))?\s*(?:#\s*(?P<text>.*))?"
 )
-# What a check says of a value outside its domain -> the domain in a word.
-_RANGES = {
-    "must be a finite number above 0": "> 0",
-    "must be a finite number, 0 or more": "≥ 0",
-    "is needed": "required",
-}
 _TYPES = {str: "text", bool: "bool", float: "float", int: "int", tuple: "list of texts"}
 
 
 def parameter_table(kind: type) -> str:
     """Name, type, default, range, unit and meaning of every field of a parameter dataclass."""
     lines = ["| parameter | type | default | range | meaning |", "|---|---|---|---|---|"]
-    for entry in fields(kind):
-        default = entry.default
+    for entry in flat(kind):
+        default = entry.default.value if isinstance(entry.default, Enum) else entry.default
         shown = "" if default in ("", ()) else f"`{str(default).lower()}`"
-        check = entry.metadata["check"]
-        meaning = _cell(entry.metadata["description"])
         lines.append(
-            f"| `{entry.name}` | {_TYPES[type(default)]} | {shown} | {_range(default, check)} "
-            f"| {meaning} |"
+            f"| `{entry.name}` | {_TYPES[type(default)]} | {shown} | {_range(entry)} "
+            f"| {_cell(entry.meaning)} |"
         )
     return "\n".join(lines) + "\n"
 
@@ -84,13 +76,11 @@ def tables(text: str) -> set[tuple[str, str]]:
     return {(match[2], match[3]) for match in _TABLE.finditer(text)}
 
 
-def _range(default: Any, check: Any) -> str:
-    outside: dict[type, Any] = {float: math.nan, str: "\0"}
-    if check is None or type(default) not in outside:
-        return ""
-    said = check(outside[type(default)]) or check("")
-    choices = said.removeprefix("must be one of: ")
-    return ", ".join(f"`{c}`" for c in choices.split(", ")) if choices != said else _RANGES[said]
+def _range(entry: Entry) -> str:
+    if isinstance(entry.default, Enum):
+        return OneOf(tuple(kind.value for kind in type(entry.default))).words
+    domain = entry.declaration.domain
+    return "" if domain is None else domain.words
 
 
 def _cell(text: str) -> str:

@@ -395,7 +395,7 @@ BAD_PARAMETERS: list[tuple[str, list[str]]] = [
     ("-p robot:=kuka_lwr -p control_dt:=-1.0", ["control_dt", "above 0"]),
     ("-p robot:=kuka_lwr -p hierarchy:='a > b'", ["unknown task 'a'", "end_effector"]),
     ("-p robot:=kuka_lwr -p speed:=1.0", ["unknown parameter 'speed'", "formulation"]),
-    ("-p robot:=kuka_lwr -p velocity_limit:=fast", ["velocity_limit", "a number expected"]),
+    ("-p robot:=kuka_lwr -p velocity_limit:=fast", ["velocity_limit", "a number >= 0 expected"]),
 ]
 
 

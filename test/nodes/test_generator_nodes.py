@@ -402,9 +402,9 @@ def test_a_restarted_generator_takes_over_the_motion_in_force(
     ("executable", "parameter", "reason"),
     [
         ("contact_force_bounds", "horizon:=0.015", "a multiple of the step (0.01 s)"),
-        ("contact_force_bounds", "upper_rate_weight:=0.0", "must be a finite number above 0"),
+        ("contact_force_bounds", "upper_rate_weight:=0.0", "a number above 0 expected"),
         ("contact_force_bounds", "alpha:=0.1", "unknown parameter 'alpha'"),
-        ("obstacle_bounds", "max_velocity:=-1.0", "must be a finite number above 0"),
+        ("obstacle_bounds", "max_velocity:=-1.0", "a number above 0 expected"),
     ],
 )
 def test_bad_parameters_end_the_node_with_one_line(

@@ -8,7 +8,6 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any
 
 import pytest
@@ -25,6 +24,7 @@ from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.ros.conversions.requests import reference_from_message, transition_from_message
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.transition import _parser as transition_arguments
+from ghc_controller.schema.declared import flat
 from ghc_sim_bridge.analysis.phase_table import phase_table
 from ghc_sim_bridge.bridge.realtime import FRESH_COMMANDS_TO_RESUME
 from ghc_sim_bridge.ros.parameters import BridgeParameters
@@ -114,7 +114,7 @@ def test_nodes_by_hand_have_these_executables_and_parameters() -> None:
             options = transition_arguments().parse_args(arguments)
             matrix_from_hierarchy(ROBOT.task_names, options.hierarchy)
         else:
-            names = {entry.name for entry in fields(NODES[executable])}
+            names = {entry.name for entry in flat(NODES[executable])}
             given = [word.partition(":=")[0] for word in arguments if ":=" in word]
             assert given and set(given) <= names
 
@@ -147,12 +147,12 @@ def test_topics_are_those_of_the_interfaces() -> None:
 
 
 def test_parameters_have_these_defaults_and_units() -> None:
-    known = {entry.name: entry for entry in fields(ControllerParameters)}
+    known = {entry.name: entry for entry in flat(ControllerParameters)}
     for name, default, unit, _ in table("parameter"):
         entry = known[name]
         assert default == str(entry.default), name
         if unit:
-            assert entry.metadata["description"].startswith(f"[{unit}]"), name
+            assert entry.declaration.unit == unit, name
 
 
 def test_all_formulations_are_named() -> None:
@@ -180,7 +180,7 @@ def test_the_shown_table_is_that_of_the_demo() -> None:
 
 
 def test_numbers_of_the_safety_section() -> None:
-    defaults: dict[str, Any] = {entry.name: entry.default for entry in fields(BridgeParameters)}
+    defaults: dict[str, Any] = {entry.name: entry.default for entry in flat(BridgeParameters)}
     assert f"default {ROBOT.torque_rate:g} Nm/s" in TEXT
     assert f"after {1e3 * defaults['watchdog_timeout']:g} ms without one" in TEXT
     assert f"after {defaults['lockstep_timeout']:g} s the run ends" in TEXT

@@ -8,6 +8,9 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from ghc_controller.migration.finder import install
+from ghc_controller.migration.names import Kind, hint
+
 if TYPE_CHECKING:
     from ghc_controller.contacts.contact import Contact as Contact
     from ghc_controller.controller import Controller as Controller
@@ -77,9 +80,14 @@ _HOMES = {
 __all__ = ["__version__", *_HOMES]
 
 
+install()  # of modules that have moved
+
+
 def __getattr__(name: str) -> object:
     if name not in _HOMES:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+        words = hint(Kind.NAME, name)
+        reason = f"'{name}': {words}" if words else f"'{name}'"
+        raise AttributeError(f"module '{__name__}' has no attribute {reason}")
     return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
 
 

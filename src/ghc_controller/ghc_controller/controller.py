@@ -66,7 +66,7 @@ class Controller:
 
     def __init__(self, robot: Robot, settings: Settings | None = None) -> None:
         self.robot = robot
-        self.settings = settings or Settings()
+        self.settings = Settings.for_robot(robot) if settings is None else settings
         self.model = robot.model
         self.references = ReferenceSchedule(robot.tasks)
         self.stack = TaskStack(robot.tasks, self.model.nv)
@@ -83,7 +83,7 @@ class Controller:
         self.formulation = make_formulation(
             self.settings.formulation,
             self.settings.optimization,
-            make_solver(self.settings.solver),
+            make_solver(self.settings.qp_solver, self.settings.solving),
         )
         self.gate = OutputGate(
             self.model.torque_limit, self.settings.rate_limit(robot), self.settings.control_dt

@@ -34,5 +34,14 @@ class InvalidValue(GhcError):
     """A value outside its domain (not finite, out of range, malformed)."""
 
 
+class InvalidField(InvalidValue):
+    """A field of a record outside its domain; carries its name for whoever knows the file."""
+
+    def __init__(self, field: str, problem: str) -> None:
+        self.field = field
+        self.problem = problem
+        super().__init__(f"{field}: {problem}")
+
+
 class ConfigurationError(GhcError):
     """A file or parameter that cannot be used; names the file and the field."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 from ghc_controller.constraints import (
     Constraint,
@@ -14,40 +14,75 @@ from ghc_controller.constraints import (
     TorqueLimit,
     TorqueRateLimit,
 )
-from ghc_controller.errors import InvalidValue
-from ghc_controller.formulations import DEFAULT_FORMULATION, FormulationSettings
+from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS, FormulationSettings
+from ghc_controller.qp import SolverSettings
 from ghc_controller.robot.robot import Robot
+from ghc_controller.schema.declared import check, declared, inline
+from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
+from ghc_controller.schema.record import from_mapping, read
+from ghc_controller.types import CONTROL_DT
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
     """Numbers that a user may change without touching the robot's file.
 
+    Parameters of the controller node and `parameters` of a scenario have the same names.
+
     Raises:
         InvalidValue: a number outside its range.
     """
 
-    formulation: str = DEFAULT_FORMULATION
-    solver: str = "daqp"
-    control_dt: float = 1e-3  # [s]
-    hierarchy: str = ""  # at the start; "" = of the robot's file
-    velocity_limit: float = 0.0  # [rad/s] for every joint; 0 = of the robot
-    velocity_horizon: float = 0.05  # [s] over which a velocity limit acts, 10 to 50 ms
-    torque_bound: float = 0.0  # [Nm] for every joint; 0 = of the robot
-    torque_bound_around: TorqueCenter = TorqueCenter.ZERO
-    torque_rate_limit: float = -1.0  # [Nm/s]; 0 = off, negative = of the robot
-    obstacle_horizon: float = 0.1  # [s] delta t of eq. 4.2 of the thesis
-    position_limits: bool = True
-    velocity_limits: bool = True
-    optimization: FormulationSettings = field(default_factory=FormulationSettings)
+    formulation: str = declared(", ".join(FORMULATIONS), DEFAULT_FORMULATION)
+    qp_solver: str = declared("daqp or proxqp", "daqp")
+    solving: SolverSettings = inline(SolverSettings)
+    control_dt: float = declared("control period", CONTROL_DT, unit="s", domain=POSITIVE)
+    hierarchy: str = declared("hierarchy at the start; empty = of the robot's file", "")
+    velocity_limit: float = declared(
+        "of every joint; 0 = of the robot", 0.0, unit="rad/s", domain=NOT_NEGATIVE
+    )
+    velocity_horizon: float = declared(
+        "over which velocity limits act; 0.01 to 0.05", 0.05, unit="s", domain=POSITIVE
+    )
+    torque_bound: float = declared(
+        "of every joint; 0 = of the robot", 0.0, unit="Nm", domain=NOT_NEGATIVE
+    )
+    torque_bound_around: TorqueCenter = declared(
+        "center of torque_bound: zero or gravity", TorqueCenter.ZERO
+    )
+    torque_rate_limit: float = declared(
+        "rows and gate; 0 = off, negative = of the robot", -1.0, unit="Nm/s"
+    )
+    obstacle_horizon: float = declared(
+        "over which an obstacle's distance is kept (delta t of eq. 4.2)",
+        0.1,
+        unit="s",
+        domain=POSITIVE,
+    )
+    position_limits: bool = declared("keep joint positions in their range", True)
+    velocity_limits: bool = declared("keep joint velocities below their limit", True)
+    optimization: FormulationSettings = inline(FormulationSettings)
+
+    @classmethod
+    def of(cls, **values: Any) -> Settings:
+        """Settings by the names of parameters, also those of the formulation.
+
+        Raises:
+            ConfigurationError: an unknown name, or a value of another type or out of range.
+        """
+        return from_mapping(cls, values, "Settings.of")
+
+    @classmethod
+    def for_robot(cls, robot: Robot) -> Settings:
+        """Defaults, but for what the section `settings` of robot.yaml says.
+
+        Raises:
+            ConfigurationError: file and field, what was given and expected.
+        """
+        return cls() if robot.settings is None else read(robot.settings, cls)
 
     def __post_init__(self) -> None:
-        for name in ("control_dt", "velocity_horizon", "obstacle_horizon"):
-            if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise InvalidValue(f"{name} = {getattr(self, name)} s given, more than 0 expected")
-        for name in ("velocity_limit", "torque_bound"):
-            if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
-                raise InvalidValue(f"{name} = {getattr(self, name)} given, at least 0 expected")
+        check(self)
 
     def rate_limit(self, robot: Robot) -> float:
         """Torque rate limit in force [Nm/s]; 0 = off."""

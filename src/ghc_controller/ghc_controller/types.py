@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 NANOSECONDS = 1_000_000_000  # [ns/s] stamps are counts of nanoseconds
+CONTROL_DT = 1e-3  # [s] control period where nothing else is said
+PREVIEW_STEP = 0.01  # [s] between two plans of a generator where nothing else is said
+UNIT_TOLERANCE = 1e-3  # [-] a normal or quaternion this far from unit length is refused
 
 _NO_WRENCHES: Mapping[str, Array] = MappingProxyType({})
 

@@ -5,9 +5,13 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from ghc_controller.migration.finder import install
+
 if TYPE_CHECKING:
     from ghc_sim_bridge.scene.description import load_scene as load_scene
     from ghc_sim_bridge.simulation.simulator import Simulator as Simulator
+
+install()  # of modules that have moved
 
 _HOMES = {"Simulator": "simulation.simulator", "load_scene": "scene.description"}
 __all__ = [*_HOMES]

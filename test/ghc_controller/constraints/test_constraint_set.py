@@ -147,7 +147,7 @@ def test_active_rows_are_named() -> None:
     """At a bound, beyond it, and inside."""
     model, state = make_model("humanoid"), random_state("humanoid", np.random.default_rng(0))
     dynamics = model.update(state.q, state.v)
-    constraints = ConstraintSet([JointVelocityLimit(2.0, model.na)], model)
+    constraints = ConstraintSet([JointVelocityLimit(2.0, model.na, 0.02)], model)
     box = constraints.update(model, dynamics, state, None, DT).acceleration
     values = np.zeros(model.nv)
     assert box.active(values) == ()

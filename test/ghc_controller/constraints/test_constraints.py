@@ -130,7 +130,7 @@ def test_acceleration_limits_leave_a_floating_base_free() -> None:
     """Six infinite entries, then the joints."""
     rng = np.random.default_rng(1)
     model, state = make_model("humanoid"), random_state("humanoid", rng)
-    speed = JointVelocityLimit(2.0, model.na)
+    speed = JointVelocityLimit(2.0, model.na, 0.02)
     place = JointPositionLimit(np.full(model.na, -3.0), np.full(model.na, 3.0))
     for constraint in (speed, place):
         box = _bounds(constraint, model, state.q, state.v)
@@ -168,7 +168,7 @@ def test_torque_rate_is_measured_from_the_applied_torque() -> None:
 def test_limits_must_be_positive_and_fit_the_joints() -> None:
     """Messages name the constraint."""
     with pytest.raises(InvalidValue, match=r"velocity_limit: \[0.0, 0.0\] given, positive"):
-        JointVelocityLimit(0.0, 2)
+        JointVelocityLimit(0.0, 2, 0.02)
     with pytest.raises(WrongSize, match=r"torque_limit: size \(3,\) given, \(7,\) expected"):
         TorqueLimit(np.ones(3), 7)
     with pytest.raises(InvalidValue, match="position_limit, brake acceleration: "):

@@ -27,7 +27,7 @@ EXACT = SolverSettings(tolerance=1e-12, max_iterations=500)
 
 
 def _make(
-    name: str, w: float = 1e-4, torque: str = "none", layer_damping: float | None = None
+    name: str, w: float = 1e-4, torque: str = "none", layer_damping: float = -1.0
 ) -> Formulation:
     settings = FormulationSettings(
         regularization=w,

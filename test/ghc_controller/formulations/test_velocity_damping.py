@@ -118,5 +118,5 @@ def test_the_pull_keeps_the_contacts() -> None:
 
 def test_a_negative_damping_is_refused() -> None:
     """It would drive the joints."""
-    with pytest.raises(InvalidValue, match="velocity_damping = -1"):
+    with pytest.raises(InvalidValue, match="velocity_damping: a number >= 0 expected, -1"):
         FormulationSettings(velocity_damping=-1.0)

@@ -8,7 +8,7 @@ from model_states import make_model, random_state
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.tasks.force_control import ForceControl
+from ghc_controller.tasks.force_control import ForceControl, ForceFields
 from ghc_controller.tasks.frame_position import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.types import Array, RobotState, TaskTarget
@@ -19,7 +19,8 @@ STIFFNESS, DAMPING = 30.0, 20.0  # [1/s^2], [1/s]
 def _hybrid_task(model: RobotModel, **gains: float) -> FramePositionTask:
     """Position task with a force row; the force is asked for in full at once unless said."""
     gains = {"rise_time": 0.0} | gains
-    force = ForceControl(model.frame_id("tool"), ("x", "y", "z"), ("z",), "tool", **gains)
+    settings = ForceFields(axes=("z",), contact="tool", **gains)
+    force = ForceControl(model.frame_id("tool"), ("x", "y", "z"), settings)
     return FramePositionTask("hand", model, "tool", STIFFNESS, DAMPING, force=force)
 
 
@@ -126,7 +127,8 @@ def test_a_frictionless_plane_is_held_with_the_reference_force() -> None:
     model.update(q, v)
     start = model.frame_position(frame).copy()
     surface = start[2] - 0.005  # [m]
-    force = ForceControl(frame, ("x", "y", "z"), ("z",), "tool", integral=5.0)
+    settings = ForceFields(axes=("z",), contact="tool", integral=5.0)
+    force = ForceControl(frame, ("x", "y", "z"), settings)
     task = FramePositionTask("hand", model, "tool", STIFFNESS, DAMPING, force=force)
     posture = PostureTask("posture", model, STIFFNESS, DAMPING, reference=q)
     aside = start + np.array([0.01, -0.01, -0.05])
@@ -217,8 +219,8 @@ def test_reset_clears_contact_and_integral() -> None:
 def test_bad_settings_are_refused() -> None:
     """Force axis outside the task, release above threshold, negative gains."""
     with pytest.raises(InvalidValue, match=r"force axis 'z' given; rows of the task"):
-        ForceControl(0, ("x", "y"), ("z",), "tool")
-    with pytest.raises(InvalidValue, match=r"release 2.0 N given, at most threshold 1.0 N"):
-        ForceControl(0, ("z",), ("z",), "tool", threshold=1.0, release=2.0)
-    with pytest.raises(InvalidValue, match="numbers >= 0 expected"):
-        ForceControl(0, ("z",), ("z",), "tool", integral=-1.0)
+        ForceControl(0, ("x", "y"), ForceFields(axes=("z",), contact="tool"))
+    with pytest.raises(InvalidValue, match=r"release: 2.0 given, at most threshold 1.0 expected"):
+        ForceFields(axes=("z",), contact="tool", threshold=1.0, release=2.0)
+    with pytest.raises(InvalidValue, match=r"integral: a number >= 0 expected, -1\.0"):
+        ForceFields(axes=("z",), contact="tool", integral=-1.0)

@@ -12,9 +12,10 @@ from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_sim_bridge.analysis.task_errors import reference_trajectory
 from ghc_sim_bridge.scenario.keyframe_references import keyframe_references
-from ghc_sim_bridge.scenario.keyframes import Keyframe, Keyframes, joint_motion, read_keyframes
+from ghc_sim_bridge.scenario.keyframes import Keyframe, Keyframes, joint_motion
 from ghc_sim_bridge.scenario.plan import RunOptions
 from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
@@ -67,7 +68,7 @@ def test_samples_are_no_farther_apart_than_asked_and_hold_the_keyframes() -> Non
 )
 def test_a_wrong_section_is_refused_with_its_place(section: object, problem: str) -> None:
     with pytest.raises(ConfigurationError, match=problem):
-        read_keyframes(Fields(section, "mine.yaml", "keyframes"))
+        read(Fields(section, "mine.yaml", "keyframes"), Keyframes)
 
 
 @pytest.fixture

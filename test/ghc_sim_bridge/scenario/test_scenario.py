@@ -203,6 +203,18 @@ def test_an_unknown_scenario_or_variant_names_those_that_exist() -> None:
         ({"references": {"a": {"position": [0, None]}}}, ["references.a.position[1]", "None"]),
         ({"formulation_parameters": {"magic": {}}}, ["formulation_parameters.magic", "hqp"]),
         ({"parameters": {"arm": {}}}, ["parameters.arm", "controller"]),
+        (
+            {"parameters": {"controller": {"velocity_dampin": 1.0}}},
+            ["parameters.controller.velocity_dampin", "unknown field", "velocity_damping"],
+        ),
+        (
+            {"formulation_parameters": {"ghc": {"metric": "distance"}}},
+            ["formulation_parameters.ghc.metric", "acceleration, inertia, torque"],
+        ),
+        (
+            {"generators": {"obstacle_bounds": {"max_velocity": 0}}},
+            ["generators.obstacle_bounds.max_velocity", "a number above 0 expected, 0 given"],
+        ),
     ],
 )
 def test_a_wrong_file_is_told_file_field_and_what_was_given(

@@ -11,8 +11,8 @@ import pytest
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_controller.schema.record import read as record
 from ghc_sim_bridge.scenario.scenario import find_scenario, load_scenario
-from ghc_sim_bridge.scenario.walk.fields import read_walk
 from ghc_sim_bridge.scenario.walk.walk import (
     Walk,
     walk_events,
@@ -30,7 +30,7 @@ def section() -> dict[str, Any]:
 
 
 def read(data: dict[str, Any]) -> Walk:
-    return read_walk(Fields(data, "walking.yaml", "walk"))
+    return record(Fields(data, "walking.yaml", "walk"), Walk)
 
 
 @pytest.fixture

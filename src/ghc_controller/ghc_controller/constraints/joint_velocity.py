@@ -29,7 +29,7 @@ class JointVelocityLimit(Constraint):
         self,
         limit: Array | float,
         joints: int,
-        horizon: float = 0.02,
+        horizon: float,
         name: str = "velocity_limit",
     ) -> None:
         """Bound the last `joints` entries of v by limit [rad/s], one number or (a,)."""

@@ -8,11 +8,16 @@ from enum import Enum
 import numpy as np
 
 from ghc_controller.contacts.sensing_settings import Sensing
-from ghc_controller.errors import InvalidValue
+from ghc_controller.errors import InvalidField, InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.follower import Follower
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.types import Array
+
+Vector = tuple[float, float, float]
 
 _SURFACE_POINTS = 3  # as many points fix all six coordinates of a frame
 
@@ -22,6 +27,53 @@ class OnStale(Enum):
 
     HOLD = "hold"  # the last bounds of the plan
     RELEASE = "release"  # the bounds of the robot's file
+
+
+@dataclass(frozen=True, slots=True)
+class ForceTaskFields:
+    """The section `force_task` of a contact in robot.yaml."""
+
+    weight: float = declared(
+        "with which the normal force follows a reference", 1.0, unit="-", domain=NOT_NEGATIVE
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ContactFields:
+    """One entry of `contacts` in robot.yaml."""
+
+    name: str = declared("as in contacts/<name> and in schedules")
+    frame: str = declared("frame of the URDF", names="frame")
+    points: tuple[Vector, ...] = declared(
+        "in the frame; with friction, three or more hold the frame as a whole", unit="m"
+    )
+    normal: Vector = declared("direction in which the environment pushes, world axes", unit="-")
+    friction: float = declared(
+        "that the QP may count on; 0 = a normal force alone", 0.5, unit="-", domain=NOT_NEGATIVE
+    )
+    force_lower: float = declared(
+        "normal force, where no generator bounds it", 0.0, unit="N", domain=NOT_NEGATIVE
+    )
+    force_upper: float = declared(
+        "normal force, where no generator bounds it", 1000.0, unit="N", domain=NOT_NEGATIVE
+    )
+    active: bool = declared("on at the start", False)
+    on_stale: OnStale = declared(
+        "what holds when the plan of its generator has ended: its last bounds, or those here",
+        OnStale.HOLD,
+    )
+    force_task: ForceTaskFields | None = declared("the normal force follows a reference", None)
+    sensing: Sensing | None = declared(
+        "the measured wrench confirms touch-down and lift-off; left out = schedule alone", None
+    )
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for bounds that leave nothing between them."""
+        if self.force_lower > self.force_upper:
+            raise InvalidField(
+                "force_lower",
+                f"{self.force_lower:g} N given, force_upper is {self.force_upper:g} N",
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,38 +119,21 @@ class Contact:
         Raises:
             ConfigurationError: a field that is missing, unknown or out of range.
         """
-        name = fields.text("name")
-        frame = fields.choice("frame", model.frame_names)
-        lower = fields.number("force_lower", 0.0, minimum=0.0)
-        upper = fields.number("force_upper", 1000.0, minimum=0.0)
-        if lower > upper:
-            raise fields.error("force_lower", f"{lower:g} N given, force_upper is {upper:g} N")
-        task = None
-        if fields.has("force_task"):
-            section = fields.section("force_task")
-            task = ContactForceTask(name, section.number("weight", 1.0, minimum=0.0))
-            section.done()
-        sensing = None
-        if fields.has("sensing"):
-            sensing = Sensing.from_config(fields.section("sensing"))
-        on_stale = OnStale.HOLD
-        if fields.has("on_stale"):
-            on_stale = OnStale(fields.choice("on_stale", [kind.value for kind in OnStale]))
-        contact = cls(
-            name,
-            model.frame_id(frame),
-            np.array(fields.vectors("points", 3)),
-            contact_axes(np.array(fields.vector("normal", 3)), name),
-            fields.number("friction", 0.5, minimum=0.0),
-            lower,
-            upper,
-            fields.flag("active", False),
-            on_stale,
-            task,
-            sensing,
+        given = read(fields, ContactFields, names={"frame": model.frame_names})
+        task = given.force_task
+        return cls(
+            given.name,
+            model.frame_id(given.frame),
+            np.array(given.points),
+            contact_axes(np.array(given.normal), given.name),
+            given.friction,
+            given.force_lower,
+            given.force_upper,
+            given.active,
+            given.on_stale,
+            None if task is None else ContactForceTask(given.name, task.weight),
+            given.sensing,
         )
-        fields.done()
-        return contact
 
 
 class ContactForceTask(Follower):

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
-
-import numpy as np
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.directions import Starts
@@ -19,6 +17,8 @@ from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.solution import Solution
 from ghc_controller.qp import QpSolver
+from ghc_controller.schema.declared import check, declared, inline
+from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 from ghc_controller.types import Array
 
 
@@ -49,48 +49,71 @@ class DampedLevels(Enum):
     NONE = "none"  # eq. 18
 
 
-_POSITIVE = (
-    "regularization",
-    "torque_weight",
-    "null_damping",
-    "metric_ratio",
-    "weight_ratio",
-    "rank_tolerance",
-)
-
-
 @dataclass(frozen=True, slots=True)
 class FormulationSettings:
     """Numbers shared by the formulations.
 
     Raises:
-        InvalidValue: a weight that is not positive, a negative velocity_damping.
+        InvalidValue: a number outside its range.
     """
 
-    regularization: float = 1e-2  # [-] w: weight on nu'_i (ghc) or damping |x|^2 per level
-    torque_regularization: TorqueRegularization = TorqueRegularization.NONE
-    torque_weight: float = 1e-2  # [-] on |tau - reference|^2, ghc and ghc_full only
-    velocity_damping: float = 20.0  # [1/s] kd: regularization pulls accelerations to -kd v
-    null_damping: float = 3e-5  # [-] e of the null spaces of cascade
-    metric_ratio: float = 1e3  # [-] kappa: what yields between two levels under active bounds
-    weight_ratio: float = 1e2  # [-] between two levels of the weighted formulation
-    rank_tolerance: float = 1e-4  # [-] of the largest singular value; rhp_hqp: of a row
-    hqp_damps_velocity: bool = False  # hqp and its kin damp x + kd v like the others, not x
-    metric: Metric = Metric.ACCELERATION  # task_priority and ghc
-    damped_levels: DampedLevels = DampedLevels.ALL  # task_priority and its baselines
-    rhp_constant_weights: bool = False  # rows of rhp_hqp count alike at any phi; jumps in a swap
-    second_order: bool = False  # (x + kd v)^T S (x + kd v) of every task beside |J x - b|^2
-    projector: ProjectorSettings = field(default_factory=ProjectorSettings)
+    regularization: float = declared(
+        "w: weight on nu'_i (ghc), or damping of every level", 1e-2, unit="-", domain=POSITIVE
+    )
+    velocity_damping: float = declared(
+        "kd: damping pulls to -kd v; 0 = to zero, as in the papers",
+        20.0,
+        unit="1/s",
+        domain=NOT_NEGATIVE,
+    )
+    null_damping: float = declared(
+        "e: null spaces of cascade open over singular values of this size",
+        3e-5,
+        unit="-",
+        domain=POSITIVE,
+    )
+    torque_regularization: TorqueRegularization = declared(
+        "what a weight on torque pulls to (ghc, ghc_full): none, bias or zero",
+        TorqueRegularization.NONE,
+    )
+    torque_weight: float = declared(
+        "of |tau - reference|^2 (ghc, ghc_full)", 1e-2, unit="-", domain=POSITIVE
+    )
+    metric_ratio: float = declared(
+        "kappa: what yields between two levels of balanced under active bounds",
+        1e3,
+        unit="-",
+        domain=POSITIVE,
+    )
+    weight_ratio: float = declared(
+        "between two levels of weighted", 1e2, unit="-", domain=POSITIVE
+    )
+    rank_tolerance: float = declared(
+        "of the largest singular value; rhp_hqp: of a row", 1e-4, unit="-", domain=POSITIVE
+    )
+    hqp_damps_velocity: bool = declared(
+        "hqp and its kin damp towards -kd v as well; false = damping of the literature", False
+    )
+    metric: Metric = declared(
+        "what task_priority and ghc make least beside the tasks: acceleration, inertia "
+        "(operational space, dynamically consistent projectors) or torque",
+        Metric.ACCELERATION,
+    )
+    damped_levels: DampedLevels = declared(
+        "levels that w damps in task_priority and its baselines: all, lower (all but the first) "
+        "or none",
+        DampedLevels.ALL,
+    )
+    rhp_constant_weights: bool = declared(
+        "rhp_hqp weighs rows alike at any phi, as its authors' library; jumps in a swap", False
+    )
+    second_order: bool = declared(
+        "add the curvature of the tasks to every level; ghc and ghc_full reject it", False
+    )
+    projector: ProjectorSettings = inline(ProjectorSettings)
 
     def __post_init__(self) -> None:
-        for name in _POSITIVE:
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise InvalidValue(f"{name} = {value} given, a positive number expected")
-        if not (np.isfinite(self.velocity_damping) and self.velocity_damping >= 0.0):
-            raise InvalidValue(
-                f"velocity_damping = {self.velocity_damping} 1/s given, at least 0 expected"
-            )
+        check(self)
 
 
 class Formulation(ABC):

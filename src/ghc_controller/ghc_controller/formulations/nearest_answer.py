@@ -12,7 +12,7 @@ from ghc_controller.problem.solution import Solution
 from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
 
-_LARGEST_WEIGHT = 1e6  # [-] of the metric, between the first level and the last
+LARGEST_WEIGHT = 1e6  # [-] between the first level and the last; ratio^s is 1e18 for ten tasks
 _METRIC_FLOOR = 1.0  # [-] weight on |x|^2: that of the last level, so that it adds no spread
 
 
@@ -46,7 +46,7 @@ def metric_factor(reduced: ReducedProblem, alpha: Array, settings: FormulationSe
         reduced.source.starts,
         alpha,
         settings.metric_ratio,
-        _LARGEST_WEIGHT,
+        LARGEST_WEIGHT,
         _METRIC_FLOOR,
     )
     return inverse_factor(metric)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ghc_controller.formulations.formulation import Formulation
+from ghc_controller.formulations.nearest_answer import LARGEST_WEIGHT
 from ghc_controller.formulations.second_order import weighted_terms
 from ghc_controller.formulations.weight_kernels import priority_weights, weighted_system
 from ghc_controller.numerics.small_factors import inverse_factor
@@ -11,8 +12,6 @@ from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization
 from ghc_controller.problem.reduction import reduce_contacts
 from ghc_controller.problem.solution import Solution
-
-_LARGEST_WEIGHT = 1e6  # [-] of a task; ratio^s would be 1e18 for ten tasks
 
 
 class Weighted(Formulation):
@@ -36,11 +35,11 @@ class Weighted(Formulation):
             problem.starts,
             problem.alpha,
             settings.weight_ratio,
-            _LARGEST_WEIGHT,
+            LARGEST_WEIGHT,
             settings.regularization,
         )
         if problem.second_order is not None:
-            weights = priority_weights(problem.alpha, settings.weight_ratio, _LARGEST_WEIGHT)
+            weights = priority_weights(problem.alpha, settings.weight_ratio, LARGEST_WEIGHT)
             curved, pull = weighted_terms(reduced, weights, origin)
             hessian, right = hessian + curved, right - pull
         factor = inverse_factor(hessian)

@@ -16,21 +16,39 @@ from ghc_controller.hierarchy.directions import (
     write_scaled_identity,
 )
 from ghc_controller.hierarchy.soft_null_space import append_rows
+from ghc_controller.schema.declared import check, declared
+from ghc_controller.schema.domains import POSITIVE
 from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True)
 class ProjectorSettings:
-    """How linear dependence between task rows is decided."""
+    """How linear dependence between task rows is decided.
 
-    rank_tolerance: float = 1e-7  # [-] of a row's norm: what is left of it counts as a direction
-    # [-] e > 0: damped layers, continuous in q where the rank changes; None: of the formulation
-    layer_damping: float | None = None
+    Raises:
+        InvalidValue: a number outside its range.
+    """
+
+    rank_tolerance: float = declared(
+        "of a row's norm: what is left of it counts as a direction of the projectors",
+        1e-7,
+        unit="-",
+        domain=POSITIVE,
+        name="projector_rank_tolerance",
+    )
+    layer_damping: float = declared(
+        "damped projector layers: continuous at rank changes; 0 = exact, "
+        "negative = of the formulation: balanced 2.5e-6, the others 0",
+        -1.0,
+        unit="-",
+    )
+
+    def __post_init__(self) -> None:
+        check(self)
 
     def with_default(self, layer_damping: float) -> ProjectorSettings:
         """The same settings, with this damping where none is given."""
-        given = self.layer_damping
-        return replace(self, layer_damping=layer_damping if given is None else given)
+        return self if self.layer_damping >= 0.0 else replace(self, layer_damping=layer_damping)
 
 
 @njit(cache=True)
@@ -122,7 +140,7 @@ def generalized_projectors(
         np.asarray(starts, dtype=np.int64),
         np.ascontiguousarray(alpha, dtype=np.float64),
         settings.rank_tolerance,
-        settings.layer_damping or 0.0,
+        max(settings.layer_damping, 0.0),
         result,
     )
     return result

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from ghc_controller.errors import InvalidValue, UnknownName
+from ghc_controller.errors import UnknownName
+from ghc_controller.schema.declared import check, declared
+from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 
 MODELS = {
     "gn": "Gauss-Newton: no second-order term",
@@ -27,26 +28,35 @@ class KinematicSettings:
         InvalidValue: a number is not finite or out of range.
     """
 
-    model: str = "gn_qn"
-    trust_region: float = 0.01  # [rad], [m] Delta: bound on each |dq| per step
-    adapts: bool = True  # shrink the trust region of joints that change sign (section V)
-    switch: float = 1e-12  # [-] eps: 1/2 |w|^2 above which a level gets a second-order term
-    least_damping: float = 1e-3  # [-] mu of eq. 18, 20
-    damping: float = 2.0  # [-] lambda of dhqp, the largest of adls; its square weighs |dq|^2
-    small_singular_value: float = 0.5  # [-] of adls: damping starts below
-    rank_tolerance: float = 1e-7  # [-] of the largest singular value
-    regularization: float = 1e-10  # [-] of every level, so that its answer is unique
+    model: str = declared("one of MODELS", "gn_qn")
+    trust_region: float = declared(
+        "Delta: bound on each |dq| per step [rad], [m]", 0.01, domain=POSITIVE
+    )
+    adapts: bool = declared("shrink the trust region of joints that change sign (section V)", True)
+    switch: float = declared(
+        "eps: 1/2 |w|^2 above which a level gets a second-order term",
+        1e-12,
+        unit="-",
+        domain=NOT_NEGATIVE,
+    )
+    least_damping: float = declared("mu of eq. 18, 20", 1e-3, unit="-", domain=NOT_NEGATIVE)
+    damping: float = declared(
+        "lambda of dhqp, the largest of adls; its square weighs |dq|^2",
+        2.0,
+        unit="-",
+        domain=NOT_NEGATIVE,
+    )
+    small_singular_value: float = declared(
+        "of adls: damping starts below", 0.5, unit="-", domain=POSITIVE
+    )
+    rank_tolerance: float = declared(
+        "of the largest singular value", 1e-7, unit="-", domain=NOT_NEGATIVE
+    )
+    regularization: float = declared(
+        "of every level, so that its answer is unique", 1e-10, unit="-", domain=POSITIVE
+    )
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
             raise UnknownName("kinematic model", self.model, MODELS)
-        for field in ("trust_region", "small_singular_value", "regularization"):
-            self._check(field, above_zero=True)
-        for field in ("switch", "least_damping", "damping", "rank_tolerance"):
-            self._check(field, above_zero=False)
-
-    def _check(self, field: str, above_zero: bool) -> None:
-        value = getattr(self, field)
-        if not (math.isfinite(value) and (value > 0.0 or (value == 0.0 and not above_zero))):
-            least = "> 0" if above_zero else ">= 0"
-            raise InvalidValue(f"{field}: {value} given, a number {least} expected")
+        check(self)

@@ -10,6 +10,8 @@ import numpy as np
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.types import Array
 
+Limit = float | Mapping[str, float] | None  # of every joint, of some by name, of none
+
 
 @dataclass(frozen=True, slots=True)
 class JointLimits:

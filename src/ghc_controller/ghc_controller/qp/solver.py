@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from ghc_controller.qp.problem import QpProblem, QpResult, QpStatus
 from ghc_controller.qp.residuals import Residuals, residuals
+from ghc_controller.schema.declared import check, declared
+from ghc_controller.schema.domains import AT_LEAST_ONE, POSITIVE
 from ghc_controller.types import Array
 
 
@@ -17,10 +19,29 @@ class SolverSettings:
     Effort is a count, not a time, so that an answer never depends on the machine.
     """
 
-    tolerance: float = 1e-9  # largest primal and dual residual, in the QP's own scale
-    max_pivots: int = 200  # of each active-set solver per QP
-    max_iterations: int = 200  # of ProxQP per QP: outer ones, each with at most 10 inner ones
-    max_step_pivots: int = 2000  # of all QPs of a control step together, see begin_step
+    tolerance: float = declared(
+        "largest primal and dual residual, in the QP's own scale",
+        1e-9,
+        unit="-",
+        domain=POSITIVE,
+        name="qp_tolerance",
+    )
+    max_pivots: int = declared(
+        "of each active-set solver per QP", 200, unit="-", domain=AT_LEAST_ONE
+    )
+    max_iterations: int = declared(
+        "of ProxQP per QP: outer ones, each with at most 10 inner ones",
+        200,
+        unit="-",
+        domain=AT_LEAST_ONE,
+    )
+    max_step_pivots: int = declared(
+        "of all QPs of a control step together", 2000, unit="-", domain=AT_LEAST_ONE
+    )
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number out of range."""
+        check(self)
 
 
 class QpSolver(ABC):

@@ -10,9 +10,7 @@ import numpy as np
 
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.types import Array, TaskTarget
-
-UNIT_TOLERANCE = 1e-3  # a quaternion this far from unit length is refused, else normalised
+from ghc_controller.types import UNIT_TOLERANCE, Array, TaskTarget
 
 
 class ReferenceSpace(Enum):

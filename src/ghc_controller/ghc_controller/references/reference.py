@@ -16,9 +16,9 @@ from ghc_controller.numerics.rotation import (
     turned_motion,
     vector_motion,
 )
-from ghc_controller.references.follower import UNIT_TOLERANCE, Follower, ReferenceSpace
+from ghc_controller.references.follower import Follower, ReferenceSpace
 from ghc_controller.references.polynomials import evaluate, hermite_coefficients
-from ghc_controller.types import Array, TaskTarget
+from ghc_controller.types import UNIT_TOLERANCE, Array, TaskTarget
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,17 +9,16 @@ from typing import Any
 
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
-from ghc_controller.model.limits import JointLimits, overridden
+from ghc_controller.model.limits import JointLimits, Limit, overridden
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.fields import RobotFields
 from ghc_controller.robot.task_entries import TaskEntry
 from ghc_controller.robot.urdf import find_urdf
 from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.registry import make_task
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
-
-_DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s]
-_DEFAULT_BRAKE_ACCELERATION = 5.0  # [rad/s^2]
 
 
 @dataclass(frozen=True)
@@ -50,6 +49,8 @@ class Robot:
         on_stale: hold           # default hold; release: once a generator is silent, as above
         force_task: {weight: 1}  # optional: the normal force follows a TaskReference
         sensing: {threshold: 5}  # optional: the measured wrench confirms touch and break
+    settings:                    # optional: of the controller, see ghc.Settings
+      velocity_damping: 10.0     # [1/s]
     ```
     """
 
@@ -63,6 +64,7 @@ class Robot:
     tasks: tuple[Task, ...]  # k tasks, in the order of the file
     hierarchy: str
     contacts: tuple[Contact, ...] = ()
+    settings: Fields | None = None  # of the controller on this robot: see Settings.for_robot
 
     @classmethod
     def from_urdf(
@@ -75,12 +77,13 @@ class Robot:
         floating_base: bool = False,
         limits: Mapping[str, Any] | None = None,
         contacts: Sequence[Mapping[str, Any]] = (),
+        settings: Mapping[str, Any] | None = None,
     ) -> Robot:
         """A robot written in Python: the fields of robot.yaml, read by the same reader.
 
         Args:
             urdf: path of the URDF. name: that of the file without.
-            limits, contacts: as in robot.yaml.
+            limits, contacts, settings: as in robot.yaml.
 
         Raises:
             ConfigurationError: one line with the field, what was given and expected.
@@ -97,6 +100,8 @@ class Robot:
             values["limits"] = dict(limits)
         if contacts:
             values["contacts"] = [dict(contact) for contact in contacts]
+        if settings:
+            values["settings"] = dict(settings)
         return _from_fields(Fields(values, "Robot.from_urdf"), path)
 
     @property
@@ -124,34 +129,37 @@ def load_robot_config(path: str | Path) -> Robot:
 
 def _from_fields(fields: Fields, path: Path) -> Robot:
     """`path`: robot.yaml, or the URDF of a robot without one."""
-    name = fields.text("name")
-    urdf = find_urdf(fields.value("urdf"), path)
-    floating_base = fields.flag("floating_base", False)
-    limits = fields.section("limits", optional=True)
-    model = _build_model(urdf, floating_base, limits)
-    torque_rate = limits.number("torque_rate", _DEFAULT_TORQUE_RATE, minimum=1e-6)
-    brake = limits.number("brake_acceleration", _DEFAULT_BRAKE_ACCELERATION, minimum=1e-6)
-    limits.done()
-    tasks = _build_tasks(fields, model)
-    hierarchy = fields.text("hierarchy")
-    contacts = _build_contacts(fields, model, tasks)
-    fields.done()
+    given = read(fields, RobotFields)
+    urdf = find_urdf(given.urdf, path)
+    model = _build_model(urdf, given, fields)
+    tasks = _build_tasks(given.tasks, model)
     return Robot(
-        path, name, urdf, floating_base, torque_rate, brake, model, tasks, hierarchy, contacts
+        path,
+        given.name,
+        urdf,
+        given.floating_base,
+        given.limits.torque_rate,
+        given.limits.brake_acceleration,
+        model,
+        tasks,
+        given.hierarchy,
+        _build_contacts(given.contacts, model, tasks),
+        given.settings,
     )
 
 
-def _build_model(urdf: Path, floating_base: bool, limits: Fields) -> RobotModel:
-    model = RobotModel.from_urdf(urdf, floating_base)
-    read = model.limits
+def _build_model(urdf: Path, given: RobotFields, fields: Fields) -> RobotModel:
+    model = RobotModel.from_urdf(urdf, given.floating_base)
+    limits = fields.section("limits", optional=True)
+    values, names = model.limits, model.joint_names
     model.limits = JointLimits(
-        read.position_lower,
-        read.position_upper,
-        _limit(limits, "velocity", read.velocity, model.joint_names),
-        _limit(limits, "torque", read.torque, model.joint_names),
+        values.position_lower,
+        values.position_upper,
+        _limit(limits, "velocity", given.limits.velocity, values.velocity, names),
+        _limit(limits, "torque", given.limits.torque, values.torque, names),
     )
     for joint, lower, upper in zip(
-        model.joint_names, read.position_lower, read.position_upper, strict=True
+        names, values.position_lower, values.position_upper, strict=True
     ):
         if not lower < upper:
             raise ConfigurationError(
@@ -161,8 +169,9 @@ def _build_model(urdf: Path, floating_base: bool, limits: Fields) -> RobotModel:
     return model
 
 
-def _limit(limits: Fields, field: str, values: Array, joint_names: tuple[str, ...]) -> Array:
-    given = limits.number_or_map(field)
+def _limit(
+    limits: Fields, field: str, given: Limit, values: Array, joint_names: tuple[str, ...]
+) -> Array:
     try:
         result = overridden(values, given, joint_names, field)
     except GhcError as error:
@@ -175,9 +184,9 @@ def _limit(limits: Fields, field: str, values: Array, joint_names: tuple[str, ..
     return result
 
 
-def _build_tasks(fields: Fields, model: RobotModel) -> tuple[Task, ...]:
+def _build_tasks(entries: tuple[Fields, ...], model: RobotModel) -> tuple[Task, ...]:
     tasks: dict[str, Task] = {}
-    for entry in fields.sections("tasks"):
+    for entry in entries:
         try:
             task = make_task(entry, model)
         except ConfigurationError:
@@ -191,11 +200,11 @@ def _build_tasks(fields: Fields, model: RobotModel) -> tuple[Task, ...]:
 
 
 def _build_contacts(
-    fields: Fields, model: RobotModel, tasks: tuple[Task, ...]
+    entries: tuple[Fields, ...], model: RobotModel, tasks: tuple[Task, ...]
 ) -> tuple[Contact, ...]:
     contacts: dict[str, Contact] = {}
     taken = {task.name for task in tasks}
-    for entry in fields.sections("contacts", optional=True):
+    for entry in entries:
         try:
             contact = Contact.from_config(entry, model)
         except InvalidValue as error:

@@ -15,6 +15,7 @@ urdf:                                               # changed on the way, see ur
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path, PurePosixPath
 
@@ -22,10 +23,31 @@ import numpy as np
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.robot.urdf_changes import UrdfChanges
+from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 
 PACKAGE_SCHEME = "package://"
 _CHANGES = ("root", "locked", "frames")
+
+
+@dataclass(frozen=True, slots=True)
+class FramePlace:
+    """A frame that a URDF gets on the way."""
+
+    link: str = declared("link of the URDF")
+    position: tuple[float, float, float] = declared("in the link, with its axes", unit="m")
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfFields:
+    """The section `urdf` of robot.yaml, where it is no path alone."""
+
+    file: str = declared("path, relative to robot.yaml or in the files of the package")
+    package: str = declared("installed Python package; left out = none", "")
+    root: str = declared("link that becomes the base", "")
+    locked: tuple[str, ...] = declared("joints that stay at zero", ())
+    frames: Mapping[str, FramePlace] = declared("name: place of a further frame", dict)
 
 
 def find_urdf(entry: object, robot_file: Path) -> Path:
@@ -67,19 +89,9 @@ def _read(entry: object, robot_file: Path) -> tuple[str, str]:
 def _changes(entry: object, robot_file: Path) -> UrdfChanges:
     if not isinstance(entry, Mapping):
         return UrdfChanges()
-    fields = Fields(
-        {key: value for key, value in entry.items() if key in _CHANGES}, robot_file, "urdf"
-    )
-    frames = fields.section("frames", optional=True)
-    places = {}
-    for name in frames.given():
-        place = frames.section(name)
-        places[name] = (place.text("link"), np.array(place.vector("position", 3)))
-        place.done()
-    root = fields.text("root") if fields.has("root") else ""
-    locked = fields.names("locked", optional=True)
-    fields.done()
-    return UrdfChanges(root, locked, places)
+    given = read(Fields(entry, robot_file, "urdf"), UrdfFields)
+    frames = {name: (at.link, np.array(at.position)) for name, at in given.frames.items()}
+    return UrdfChanges(given.root, given.locked, frames)
 
 
 def resource_path(uri: str, urdf: Path) -> Path:

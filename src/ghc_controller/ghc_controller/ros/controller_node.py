@@ -29,6 +29,7 @@ from std_msgs.msg import Float64MultiArray, Header
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
+from ghc_controller.robot.library import load_robot
 from ghc_controller.ros.conversions.states import (
     base_from_bytes,
     read_joint_state,
@@ -51,11 +52,21 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateValues,
 )
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.schema.reader import Fields
+from ghc_controller.settings import Settings
 from ghc_controller.types import NANOSECONDS
 
 NODE_NAME = "controller"
 ODOMETRY = "odom"
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+
+
+def _of_robot(given: Fields) -> ControllerParameters | None:
+    """What robot.yaml says of the controller's settings."""
+    robot = given.value("robot", "")
+    if not isinstance(robot, str) or not robot:
+        return None
+    return ControllerParameters(settings=Settings.for_robot(load_robot(robot)))
 
 
 class ControllerNode:
@@ -68,9 +79,9 @@ class ControllerNode:
             GhcError: a parameter, or a file that it names, cannot be used.
         """
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
-        self._parameters = p = read_parameters(self.node, ControllerParameters)
+        self._parameters = p = read_parameters(self.node, ControllerParameters, _of_robot)
         self.executor = p.executor
-        self._controller = Controller.for_robot(p.robot, p.settings())
+        self._controller = Controller.for_robot(p.robot, p.settings)
         self._controller.warm_up()
         self._reader = JointStateReader(self._controller.model.joint_names)
         base = (ODOMETRY,) if self._controller.model.floating_base else ()
@@ -78,7 +89,7 @@ class ControllerNode:
             base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
         )
         self._announcer = TickAnnouncer(
-            round(p.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
+            round(p.settings.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
         )
         self._rejections = Rejections()
         self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
@@ -93,7 +104,7 @@ class ControllerNode:
         self._publish_and_listen(stop)
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
-            f"{self._controller.formulation.name}, solver {p.qp_solver}: ready"
+            f"{self._controller.formulation.name}, solver {p.settings.qp_solver}: ready"
         )
         unheard = sorted(set(self._controller.robot.felt_contacts) - set(p.wait_for_contacts))
         if unheard:

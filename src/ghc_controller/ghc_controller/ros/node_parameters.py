@@ -1,125 +1,86 @@
-"""Parameters of nodes as frozen dataclasses: declared, read and checked in one place."""
+"""Parameters of nodes: declared dataclasses, read by the reader of files and declared to ROS."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import field, fields
+from collections.abc import Callable, Mapping
+from enum import Enum
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
 from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.migration.names import Kind, hint
+from ghc_controller.schema.declared import flat, flat_values
+from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 
 P = TypeVar("P")
-Check = Callable[[Any], str]  # value -> what is wrong with it, "" when nothing is
 
 # Declared by rclpy itself in every node.
 _OF_RCLPY = frozenset({"use_sim_time", "start_type_description_service"})
-_TYPE_NAMES = {
-    str: "a text",
-    bool: "true or false",
-    float: "a number",
-    int: "an integer",
-    tuple: "a list of texts",
-}
 
 
-def parameter(default: Any, description: str, check: Check | None = None) -> Any:
-    """A dataclass field with what the ROS parameter of that name needs."""
-    return field(default=default, metadata={"description": description, "check": check})
+class ParameterFields(Fields):
+    """Parameters that a node was given; messages name them as parameters."""
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        super().__init__(values, "parameters")
+
+    def error(self, field: str, problem: str) -> ConfigurationError:
+        """Error about one parameter."""
+        return ConfigurationError(f"parameter '{field}': {problem}")
+
+    def complaint(self, problem: str) -> ConfigurationError:
+        """Error about several parameters."""
+        return ConfigurationError(problem)
 
 
-def positive(value: float) -> str:
-    """Check: a finite number above zero."""
-    return "" if math.isfinite(value) and value > 0.0 else "must be a finite number above 0"
-
-
-def not_negative(value: float) -> str:
-    """Check: a finite number, zero included."""
-    return "" if math.isfinite(value) and value >= 0.0 else "must be a finite number, 0 or more"
-
-
-def given(value: str) -> str:
-    """Check: a text that is not empty."""
-    return "" if value else "is needed"
-
-
-def one_of(*choices: str) -> Check:
-    """Check: one of the texts."""
-    return lambda value: "" if value in choices else "must be one of: " + ", ".join(choices)
-
-
-def several_of(*choices: str) -> Check:
-    """Check: a list of distinct texts out of these."""
-
-    def check(values: object) -> str:
-        assert isinstance(values, tuple)
-        good = set(values) <= set(choices) and len(set(values)) == len(values)
-        return "" if good else "must be out of, each once: " + ", ".join(choices)
-
-    return check
-
-
-def read_parameters(node: Node, kind: type[P]) -> P:
+def read_parameters(
+    node: Node, kind: type[P], base: Callable[[Fields], P | None] = lambda _: None
+) -> P:
     """Declare the fields of the dataclass `kind` on `node` and return their checked values.
 
-    The node must be made with `automatically_declare_parameters_from_overrides=True`: only so
-    can a misspelt name be told from a right one.
+    Fields that stand inline in it are parameters like its own. The node must be made with
+    `automatically_declare_parameters_from_overrides=True`: only so can a misspelt name be told
+    from a right one.
+
+    Args:
+        base: of what is given, what holds for the rest instead of the defaults of `kind`.
 
     Raises:
         ConfigurationError: a value has another type or is outside its domain.
         UnknownName: a parameter was given that the node does not have.
     """
-    # `from __future__ import annotations` keeps types as text; defaults carry the same knowledge.
-    known = {entry.name: entry for entry in fields(kind)}  # type: ignore[arg-type]
-    for name in node.get_parameters_by_prefix(""):
-        if name not in known and name not in _OF_RCLPY and not name.startswith("qos_overrides"):
+    known = [entry.name for entry in flat(kind)]
+    ours = {
+        name: value
+        for name, value in node.get_parameters_by_prefix("").items()
+        if name not in _OF_RCLPY and not name.startswith("qos_overrides")
+    }
+    for name in ours:
+        if name not in known:
+            words = hint(Kind.FIELD, name)
+            if words:
+                raise ConfigurationError(f"parameter '{name}': {words}")
             raise UnknownName("parameter", name, known)
-    return kind(**{name: _declared(node, entry) for name, entry in known.items()})
+    given_values = ParameterFields({name: item.value for name, item in ours.items()})
+    record = read(given_values, kind, base=base(given_values))
+    for entry, value in flat_values(record):
+        domain = entry.declaration.domain
+        if node.has_parameter(entry.name):  # declared from outside, without a description
+            node.undeclare_parameter(entry.name)
+        descriptor = ParameterDescriptor(
+            description=entry.meaning,
+            additional_constraints="" if domain is None else domain.words,
+            read_only=True,
+            dynamic_typing=True,  # 2 is as good as 2.0
+        )
+        node.declare_parameter(entry.name, _as_ros(value), descriptor, ignore_override=True)
+    return record
 
 
-def _declared(node: Node, entry: Any) -> Any:
-    """Checked value of one parameter, declared with its description and domain."""
-    name, default, check = entry.name, entry.default, entry.metadata["check"]
-    given_value = node.get_parameter(name).value if node.has_parameter(name) else None
-    if node.has_parameter(name):  # declared from the command line, without a description
-        node.undeclare_parameter(name)
-    value = default if given_value is None else _typed(name, given_value, default)
-    wrong = check(value) if check else ""
-    if wrong:
-        raise ConfigurationError(f"parameter '{name}': {given_value!r} given, {wrong}")
-    descriptor = ParameterDescriptor(
-        description=entry.metadata["description"],
-        additional_constraints=_domain(default, check),
-        read_only=True,
-        dynamic_typing=True,  # 2 is as good as 2.0
-    )
-    node.declare_parameter(
-        name, list(value) if isinstance(value, tuple) else value, descriptor, ignore_override=True
-    )
-    return value
-
-
-def _typed(name: str, value: Any, default: Any) -> Any:
-    if isinstance(default, float) and type(value) is int:
-        return float(value)  # `-p stop_time:=2` means 2.0
-    if isinstance(default, tuple) and isinstance(value, (list, tuple)):
-        if all(isinstance(item, str) for item in value):
-            return tuple(value)
-    elif type(value) is type(default):
-        return value
-    expected = _TYPE_NAMES[type(default)]
-    raise ConfigurationError(f"parameter '{name}': {value!r} given, {expected} expected")
-
-
-def _domain(default: Any, check: Check | None) -> str:
-    """What a check says of a value outside its domain."""
-    outside: dict[type, Any] = {float: math.nan, str: ""}
-    return check(outside[type(default)]) if check and type(default) in outside else ""
-
-
-EXECUTOR = parameter(
-    "events", "events (fast) or single (rclpy's default executor)", one_of("events", "single")
-)
+def _as_ros(value: Any) -> Any:
+    if isinstance(value, Enum):
+        return value.value
+    return list(value) if isinstance(value, tuple) else value

@@ -10,7 +10,9 @@ from typing import Any
 import yaml
 
 from ghc_controller.errors import ConfigurationError
-from ghc_controller.schema.value_checks import is_number, number_problem, shown, vector_problem
+from ghc_controller.migration.names import Kind, hint
+from ghc_controller.schema.domains import Range, names_problem
+from ghc_controller.schema.value_checks import is_number, shown, vector_problem
 
 _MISSING: Any = object()
 
@@ -90,11 +92,11 @@ class Fields:
         """A finite number, at least `minimum`."""
         return self._number(field, self.value(field, default), minimum)
 
-    def numbers(self, field: str, size: int) -> tuple[float, ...]:
+    def numbers(self, field: str, size: int | None) -> tuple[float, ...]:
         """`size` finite numbers; one number stands for `size` equal ones."""
         value = self.value(field)
         if is_number(value):
-            return (float(value),) * size
+            return (float(value),) * (size or 1)
         return self._vector(field, value, size)
 
     def number_or_map(self, field: str) -> float | dict[str, float] | None:
@@ -141,11 +143,9 @@ class Fields:
         is_list = isinstance(value, (list, tuple)) and all(isinstance(x, str) for x in value)
         if not is_list or not (value or optional):
             raise self.error(field, f"a list of {of} expected, {shown(value)} given")
-        for name in value:
-            if known is not None and name not in known:
-                raise self.error(field, f"'{name}' given; known: {', '.join(known)}")
-        if len(set(value)) != len(value):
-            raise self.error(field, f"names must differ, {shown(value)} given")
+        problem = names_problem(value, known)
+        if problem:
+            raise self.error(field, problem)
         return tuple(value)
 
     def section(self, field: str, optional: bool = False) -> Fields:
@@ -171,6 +171,9 @@ class Fields:
         """Refuse fields that no reader asked for."""
         unknown = [field for field in self._values if field not in self._known]
         if unknown:
+            words = hint(Kind.FIELD, unknown[0])
+            if words:
+                raise self.error(unknown[0], words)
             known = ", ".join(dict.fromkeys(self._known))
             raise self.error(unknown[0], f"unknown field; known: {known}")
 
@@ -178,7 +181,7 @@ class Fields:
         return f"{self._where}.{field}" if self._where else field
 
     def _number(self, field: str, value: Any, minimum: float = -math.inf) -> float:
-        problem = number_problem(value, minimum)
+        problem = Range(minimum).problem(value)
         if problem:
             raise self.error(field, problem)
         return float(value)

@@ -3,21 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 
 def is_number(value: object) -> bool:
     """Whether it is a finite number."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def number_problem(value: Any, minimum: float) -> str:
-    """Of a finite number that is at least `minimum`."""
-    if is_number(value) and value >= minimum:
-        return ""
-    finite = "finite " if isinstance(value, float) and not math.isfinite(value) else ""
-    at_least = f" >= {minimum:g}" if minimum > -math.inf else ""
-    return f"a {finite}number{at_least} expected, {shown(value)} given"
 
 
 def vector_problem(value: object, size: int | None) -> str:

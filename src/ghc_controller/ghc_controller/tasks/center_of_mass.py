@@ -2,17 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import Distinct
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.curvature import point_curvature
 from ghc_controller.tasks.force_control import WORLD_AXES
 from ghc_controller.tasks.kernels import position_rows
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CenterOfMassFields(TaskFields):
+    """Fields of `kind: center_of_mass`."""
+
+    axes: tuple[str, ...] = declared(
+        "rows of the task, world axes", WORLD_AXES, domain=Distinct(WORLD_AXES), empty=False
+    )
+    reference: tuple[float, ...] | None = declared(
+        "standing position, one number per axis", None, unit="m", per_row=True
+    )
 
 
 @register_task("center_of_mass")
@@ -21,6 +39,8 @@ class CenterOfMassTask(Task):
 
     Fields: stiffness, damping, axes (default [x, y, z]), reference (optional position).
     """
+
+    entry: ClassVar[type[CenterOfMassFields]] = CenterOfMassFields
 
     def __init__(
         self,
@@ -44,17 +64,14 @@ class CenterOfMassTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> CenterOfMassTask:
         """Build from one entry of `tasks` in robot.yaml."""
-        axes = fields.names("axes", WORLD_AXES, default=WORLD_AXES)
-        reference = None
-        if fields.has("reference"):
-            reference = np.array(fields.numbers("reference", len(axes)))
+        given = read(fields, cls.entry, rows=lambda v: len(v["axes"]))
         return cls(
-            fields.text("name"),
+            given.name,
             model,
-            np.array(fields.numbers("stiffness", len(axes))),
-            np.array(fields.numbers("damping", len(axes))),
-            axes,
-            reference,
+            np.array(given.stiffness),
+            np.array(given.damping),
+            given.axes,
+            None if given.reference is None else np.array(given.reference),
         )
 
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:

@@ -10,13 +10,61 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ghc_controller.errors import InvalidValue
+from ghc_controller.errors import InvalidField, InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.declared import check, declared
+from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
 WORLD_AXES = ("x", "y", "z")
+RELEASE_SHARE = 0.2  # [-] of the threshold, below which force control ends
 _MAX_STEP = 0.02  # [s] a longer gap between two states counts as this much integration time
+
+
+@dataclass(frozen=True, slots=True)
+class ForceFields:
+    """The section `force` of a task in robot.yaml."""
+
+    axes: tuple[str, ...] = declared(
+        "axes of the task that are under force control", names="axis", empty=False
+    )
+    contact: str = declared("contact of the scene whose wrench is measured")
+    threshold: float = declared(
+        "along these axes, above which force control begins", 1.0, unit="N", domain=NOT_NEGATIVE
+    )
+    release: float | None = declared(
+        f"below which it ends; left out = {RELEASE_SHARE} threshold",
+        None,
+        unit="N",
+        domain=NOT_NEGATIVE,
+    )
+    proportional: float = declared(
+        "gain on the force error, below 1", 0.0, unit="-", domain=NOT_NEGATIVE
+    )
+    integral: float = declared(
+        "gain on its integral, well below 1 / control_dt", 0.0, unit="1/s", domain=NOT_NEGATIVE
+    )
+    damping: float = declared(
+        "against the frame's velocity along these axes", 0.0, unit="1/s", domain=NOT_NEGATIVE
+    )
+    rise_time: float = declared(
+        "over which the desired force rises after touch-down", 0.1, unit="s", domain=NOT_NEGATIVE
+    )
+
+    def __post_init__(self) -> None:
+        """Raise InvalidValue for a number out of range, or release above threshold."""
+        check(self)
+        if self.ends_below > self.threshold:
+            raise InvalidField(
+                "release", f"{self.ends_below} given, at most threshold {self.threshold} expected"
+            )
+
+    @property
+    def ends_below(self) -> float:
+        """Force at which force control ends [N]."""
+        return RELEASE_SHARE * self.threshold if self.release is None else self.release
 
 
 @dataclass(slots=True)
@@ -67,80 +115,39 @@ class ForceControl:
         self,
         frame_id: int,
         axes: Sequence[str],
-        force_axes: Sequence[str],
-        contact: str,
-        threshold: float = 1.0,
-        release: float = 0.2,
-        proportional: float = 0.0,
-        integral: float = 0.0,
-        damping: float = 0.0,
-        rise_time: float = 0.1,
+        settings: ForceFields,
     ) -> None:
         """Choose the force rows among the rows of a position task.
 
         Args:
             frame_id: frame of the task, as from RobotModel.frame_id.
             axes: world axis of each row of the task.
-            force_axes: the axes among them that follow the force.
-            contact: name of the measured wrench in RobotState.wrenches.
-            threshold, release: [N] norm of the measured force along the force rows.
-            proportional: [-]; integral: [1/s].
-            damping: [1/s] acceleration against the frame's velocity along the force rows; zero at
-                rest, so that the force is not biased.
-            rise_time: [s] of the reference force after the touch.
+            settings: the axes among them that follow the force, contact, thresholds and gains.
 
         Raises:
-            InvalidValue: a force axis is no row of the task, a gain is negative or not finite,
-                or release > threshold.
+            InvalidValue: a force axis is no row of the task.
         """
-        for axis in force_axes:
+        for axis in settings.axes:
             if axis not in axes:
                 raise InvalidValue(f"force axis '{axis}' given; rows of the task: {tuple(axes)}")
-        gains = (threshold, release, proportional, integral, damping, rise_time)
-        if not all(np.isfinite(gain) and gain >= 0.0 for gain in gains):
-            raise InvalidValue(f"force control: gains {gains} given, numbers >= 0 expected")
-        if release > threshold:
-            raise InvalidValue(
-                f"force control: release {release} N given, at most threshold {threshold} N"
-                " expected"
-            )
         self._frame_id = frame_id
         self._axes = np.array([WORLD_AXES.index(axis) for axis in axes])
-        self.contact = contact
-        self.threshold = threshold
-        self.release = release
-        self.rise_time = rise_time
-        self.force_rows = np.array([axis in force_axes for axis in axes])
+        self.contact = settings.contact
+        self.threshold = settings.threshold
+        self.release = settings.ends_below
+        self.rise_time = settings.rise_time
+        self.force_rows = np.array([axis in settings.axes for axis in axes])
         self._force_axes = self._axes[self.force_rows]
-        self._gains = np.array([proportional, integral, damping, threshold])
+        self._gains = np.array(
+            [settings.proportional, settings.integral, settings.damping, settings.threshold]
+        )
         self._wrench = np.zeros(6)  # measured, in an array of our own: one compiled signature
         self.reset()
 
     @classmethod
     def from_config(cls, fields: Fields, frame_id: int, axes: Sequence[str]) -> ForceControl:
         """Build from the `force` section of a task in robot.yaml."""
-        force_axes = fields.names("axes", axes)
-        contact = fields.text("contact")
-        threshold = fields.number("threshold", 1.0, minimum=0.0)
-        release = fields.number("release", 0.2 * threshold, minimum=0.0)
-        if release > threshold:
-            raise fields.error(
-                "release", f"{release} given, at most threshold {threshold} expected"
-            )
-        control = cls(
-            frame_id,
-            axes,
-            force_axes,
-            contact,
-            threshold,
-            release,
-            fields.number("proportional", 0.0, minimum=0.0),
-            fields.number("integral", 0.0, minimum=0.0),
-            fields.number("damping", 0.0, minimum=0.0),
-            fields.number("rise_time", 0.1, minimum=0.0),
-        )
-        fields.done()
-        return control
+        return cls(frame_id, axes, read(fields, ForceFields, names={"axis": axes}))
 
     def reset(self) -> None:
         """Back to motion control with a zero integral."""

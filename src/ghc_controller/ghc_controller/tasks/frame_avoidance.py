@@ -2,18 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.force_control import WORLD_AXES
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
 
 _CLOSEST = 1e-6  # [m] a frame nearer than this to the obstacle has no direction away from it
 _ABSENT = 10.0  # [m] above the frame: where an obstacle without a reference is
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameAvoidanceFields(TaskFields):
+    """Fields of `kind: frame_avoidance`."""
+
+    frame: str = declared("frame of the URDF", names="frame")
+    distance: float = declared("to be kept", unit="m", domain=NOT_NEGATIVE)
+    near: float = declared("distance from which on this is in full force", unit="m")
+    far: float = declared("distance from which on only damping is left", unit="m")
+    radius: float = declared("of the obstacle", 0.0, unit="m", domain=NOT_NEGATIVE)
+    reference: tuple[float, ...] | None = declared(
+        "standing position of the obstacle; left out = far above", None, unit="m", size=3
+    )
 
 
 @register_task("frame_avoidance")
@@ -33,6 +53,8 @@ class FrameAvoidanceTask(Task):
     Fields: frame, stiffness, damping, distance, near, far, radius (default 0), reference (optional
     standing position of the obstacle; without one it is 10 m above the frame).
     """
+
+    entry: ClassVar[type[FrameAvoidanceFields]] = FrameAvoidanceFields
 
     def __init__(
         self,
@@ -65,20 +87,18 @@ class FrameAvoidanceTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> FrameAvoidanceTask:
         """Build from one entry of `tasks` in robot.yaml."""
-        reference = None
-        if fields.has("reference"):
-            reference = np.array(fields.numbers("reference", len(WORLD_AXES)))
+        given = read(fields, cls.entry, names={"frame": model.frame_names}, rows=lambda _: 1)
         return cls(
-            fields.text("name"),
+            given.name,
             model,
-            fields.choice("frame", model.frame_names),
-            np.array(fields.numbers("stiffness", 1)),
-            np.array(fields.numbers("damping", 1)),
-            fields.number("distance", minimum=0.0),
-            fields.number("near"),
-            fields.number("far"),
-            fields.number("radius", 0.0, minimum=0.0),
-            reference,
+            given.frame,
+            np.array(given.stiffness),
+            np.array(given.damping),
+            given.distance,
+            given.near,
+            given.far,
+            given.radius,
+            None if given.reference is None else np.array(given.reference),
         )
 
     @property

@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.numerics.rotation import quaternion_from_matrix
 from ghc_controller.references.follower import ReferenceSpace
+from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.curvature import rotation_curvature, rotation_error_curvature
 from ghc_controller.tasks.orientation_kernels import orientation_rows
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameOrientationFields(TaskFields):
+    """Fields of `kind: frame_orientation`."""
+
+    frame: str = declared("frame of the URDF", names="frame")
+    reference: tuple[float, ...] | None = declared(
+        "standing orientation: quaternion x, y, z, w", None, unit="-", size=4
+    )
 
 
 @register_task("frame_orientation")
@@ -30,6 +45,7 @@ class FrameOrientationTask(Task):
     Fields: frame, stiffness, damping, reference (optional quaternion).
     """
 
+    entry: ClassVar[type[FrameOrientationFields]] = FrameOrientationFields
     space = ReferenceSpace.ORIENTATION
     error_unit = "rad"
 
@@ -54,14 +70,14 @@ class FrameOrientationTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> FrameOrientationTask:
         """Build from one entry of `tasks` in robot.yaml."""
-        reference = np.array(fields.numbers("reference", 4)) if fields.has("reference") else None
+        given = read(fields, cls.entry, names={"frame": model.frame_names}, rows=lambda _: 3)
         return cls(
-            fields.text("name"),
+            given.name,
             model,
-            fields.choice("frame", model.frame_names),
-            np.array(fields.numbers("stiffness", 3)),
-            np.array(fields.numbers("damping", 3)),
-            reference,
+            given.frame,
+            np.array(given.stiffness),
+            np.array(given.damping),
+            None if given.reference is None else np.array(given.reference),
         )
 
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.numerics.rotation import quaternion_from_matrix
 from ghc_controller.references.follower import ReferenceSpace
+from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.curvature import (
     point_curvature,
     rotation_curvature,
@@ -15,8 +20,18 @@ from ghc_controller.tasks.curvature import (
 )
 from ghc_controller.tasks.orientation_kernels import pose_rows
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FramePoseFields(TaskFields):
+    """Fields of `kind: frame_pose`."""
+
+    frame: str = declared("frame of the URDF", names="frame")
+    reference: tuple[float, ...] | None = declared(
+        "standing pose: x, y, z [m], then a quaternion x, y, z, w", None, size=7
+    )
 
 
 @register_task("frame_pose")
@@ -29,6 +44,7 @@ class FramePoseTask(Task):
     Fields: frame, stiffness, damping (one number or six), reference (optional, seven numbers).
     """
 
+    entry: ClassVar[type[FramePoseFields]] = FramePoseFields
     space = ReferenceSpace.POSE
     error_unit = "m, rad"
 
@@ -53,14 +69,14 @@ class FramePoseTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> FramePoseTask:
         """Build from one entry of `tasks` in robot.yaml."""
-        reference = np.array(fields.numbers("reference", 7)) if fields.has("reference") else None
+        given = read(fields, cls.entry, names={"frame": model.frame_names}, rows=lambda _: 6)
         return cls(
-            fields.text("name"),
+            given.name,
             model,
-            fields.choice("frame", model.frame_names),
-            np.array(fields.numbers("stiffness", 6)),
-            np.array(fields.numbers("damping", 6)),
-            reference,
+            given.frame,
+            np.array(given.stiffness),
+            np.array(given.damping),
+            None if given.reference is None else np.array(given.reference),
         )
 
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:

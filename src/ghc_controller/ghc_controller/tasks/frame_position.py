@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import Distinct
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.curvature import point_curvature
-from ghc_controller.tasks.force_control import WORLD_AXES, ForceControl
+from ghc_controller.tasks.force_control import WORLD_AXES, ForceControl, ForceFields
 from ghc_controller.tasks.kernels import position_rows
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FramePositionFields(TaskFields):
+    """Fields of `kind: frame_position`."""
+
+    frame: str = declared("frame of the URDF", names="frame")
+    axes: tuple[str, ...] = declared(
+        "rows of the task, world axes", WORLD_AXES, domain=Distinct(WORLD_AXES), empty=False
+    )
+    reference: tuple[float, ...] | None = declared(
+        "standing position, one number per axis", None, unit="m", per_row=True
+    )
+    force: Fields | None = declared(
+        "force control of some axes while in contact", None, later=ForceFields
+    )
 
 
 @register_task("frame_position")
@@ -21,6 +43,8 @@ class FramePositionTask(Task):
     Fields: frame, stiffness, damping, axes (default [x, y, z]), reference (optional standing
     position, one number per axis), force (optional, see ForceControl).
     """
+
+    entry: ClassVar[type[FramePositionFields]] = FramePositionFields
 
     def __init__(
         self,
@@ -47,22 +71,20 @@ class FramePositionTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> FramePositionTask:
         """Build from one entry of `tasks` in robot.yaml."""
-        frame = fields.choice("frame", model.frame_names)
-        axes = fields.names("axes", WORLD_AXES, default=WORLD_AXES)
+        given = read(
+            fields, cls.entry, names={"frame": model.frame_names}, rows=lambda v: len(v["axes"])
+        )
         force = None
-        if fields.has("force"):
-            force = ForceControl.from_config(fields.section("force"), model.frame_id(frame), axes)
-        reference = None
-        if fields.has("reference"):
-            reference = np.array(fields.numbers("reference", len(axes)))
+        if given.force is not None:
+            force = ForceControl.from_config(given.force, model.frame_id(given.frame), given.axes)
         return cls(
-            fields.text("name"),
+            given.name,
             model,
-            frame,
-            np.array(fields.numbers("stiffness", len(axes))),
-            np.array(fields.numbers("damping", len(axes))),
-            axes,
-            reference,
+            given.frame,
+            np.array(given.stiffness),
+            np.array(given.damping),
+            given.axes,
+            None if given.reference is None else np.array(given.reference),
             force,
         )
 

@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointLimitFields(TaskFields):
+    """Fields of `kind: joint_limit`."""
+
+    margin: float = declared(
+        "of each limit, within which a row is on", unit="rad", domain=NOT_NEGATIVE
+    )
 
 
 @register_task("joint_limit")
@@ -24,6 +39,7 @@ class JointLimitTask(Task):
     nothing.
     """
 
+    entry: ClassVar[type[JointLimitFields]] = JointLimitFields
     error_unit = "rad"
 
     def __init__(
@@ -42,13 +58,9 @@ class JointLimitTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> JointLimitTask:
         """Build from one entry of `tasks` in robot.yaml."""
-        return cls(
-            fields.text("name"),
-            model,
-            np.array(fields.numbers("stiffness", model.na)),
-            np.array(fields.numbers("damping", model.na)),
-            fields.number("margin", minimum=0.0),
-        )
+        given = read(fields, cls.entry, rows=lambda _: model.na)
+        stiffness, damping = np.array(given.stiffness), np.array(given.damping)
+        return cls(given.name, model, stiffness, damping, given.margin)
 
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:  # noqa: ARG002
         """Rows of the joints beyond their edge; all others are zero."""

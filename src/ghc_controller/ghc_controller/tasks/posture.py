@@ -2,17 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.tasks.kernels import posture_rows
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostureFields(TaskFields):
+    """Fields of `kind: posture`."""
+
+    reference: float | Mapping[str, float] | None = declared(
+        "standing positions: a number, or joint: number; these joints are then the rows",
+        None,
+        unit="rad",
+    )
+    joints: tuple[str, ...] = declared(
+        "rows of the task; left out = those of the reference, else every joint",
+        (),
+        names="joint",
+        empty=False,
+    )
 
 
 @register_task("posture")
@@ -24,6 +45,7 @@ class PostureTask(Task):
     reference, else every joint).
     """
 
+    entry: ClassVar[type[PostureFields]] = PostureFields
     error_unit = "rad"
 
     def __init__(
@@ -49,34 +71,33 @@ class PostureTask(Task):
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> PostureTask:
         """Build from one entry of `tasks` in robot.yaml."""
-        reference = fields.number_or_map("reference")
-        if isinstance(reference, dict):
-            for joint in reference:
-                if joint not in model.joint_names:
-                    raise fields.error(
-                        f"reference.{joint}",
-                        f"unknown joint; known: {', '.join(model.joint_names)}",
-                    )
-            given = tuple(joint for joint in model.joint_names if joint in reference)
-        else:
-            given = model.joint_names
-        joints = fields.names("joints", model.joint_names, default=given)
+        joint_names = model.joint_names
+
+        def joints_of(values: Mapping[str, Any]) -> tuple[str, ...]:
+            given = values["reference"]
+            named = given if isinstance(given, Mapping) else joint_names
+            return values["joints"] or tuple(joint for joint in joint_names if joint in named)
+
+        given = read(
+            fields, cls.entry, names={"joint": joint_names}, rows=lambda v: len(joints_of(v))
+        )
+        reference = given.reference
+        joints = joints_of({"joints": given.joints, "reference": reference})
         position = None
-        if isinstance(reference, dict):
+        if isinstance(reference, Mapping):
+            for joint in reference:
+                if joint not in joint_names:
+                    raise fields.error(
+                        f"reference.{joint}", f"unknown joint; known: {', '.join(joint_names)}"
+                    )
             missing = [joint for joint in joints if joint not in reference]
             if missing:
                 raise fields.error("reference", f"joint '{missing[0]}' missing")
             position = np.array([reference[joint] for joint in joints])
         elif reference is not None:
             position = np.full(len(joints), reference)
-        return cls(
-            fields.text("name"),
-            model,
-            np.array(fields.numbers("stiffness", len(joints))),
-            np.array(fields.numbers("damping", len(joints))),
-            joints,
-            position,
-        )
+        stiffness, damping = np.array(given.stiffness), np.array(given.damping)
+        return cls(given.name, model, stiffness, damping, joints, position)
 
     def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
         """Selection matrix; target = acceleration + stiffness e + damping e'."""

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.reader import Fields
-from ghc_controller.tasks.task import Task
+from ghc_controller.tasks.task import Task, TaskFields
 
 _kinds: dict[str, type[Task]] = {}
 _T = TypeVar("_T", bound=type[Task])
@@ -31,6 +31,11 @@ def task_kinds() -> tuple[str, ...]:
     for module in pkgutil.iter_modules(package.__path__):
         importlib.import_module(f"{package.__name__}.{module.name}")
     return tuple(sorted(_kinds))
+
+
+def task_entries() -> dict[str, type[TaskFields]]:
+    """Kind -> declared fields of its entry, sorted."""
+    return {kind: _kinds[kind].entry for kind in task_kinds()}
 
 
 def make_task(fields: Fields, model: RobotModel) -> Task:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +13,25 @@ from numpy.typing import NDArray
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.follower import Follower
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.force_control import ForceControl
 from ghc_controller.tasks.kernels import task_rows
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaskFields:
+    """What robot.yaml says of a task of any kind; each kind adds its own."""
+
+    name: str = declared("name of the task: its row and column of alpha")
+    stiffness: tuple[float, ...] = declared(
+        "one number, or one per row", unit="1/s^2", domain=NOT_NEGATIVE, per_row=True
+    )
+    damping: tuple[float, ...] = declared(
+        "one number, or one per row", unit="1/s", domain=NOT_NEGATIVE, per_row=True
+    )
 
 
 class Task(Follower):
@@ -33,9 +50,11 @@ class Task(Follower):
         name, labels, space: see Follower; one label per row.
         stiffness, damping: gains per row, (m,) [1/s^2] and [1/s].
         error_unit: unit of TaskRows.error on motion rows.
+        entry: declared fields of an entry in robot.yaml, for its reader and for editors.
         force: turns rows of a task in contact into force rows; None without force control.
     """
 
+    entry: ClassVar[type[TaskFields]] = TaskFields
     error_unit: str = "m"
     force: ForceControl | None = None
 

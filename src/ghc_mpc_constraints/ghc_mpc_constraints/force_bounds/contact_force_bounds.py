@@ -4,27 +4,40 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.errors import InvalidValue
 from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus, bounds_at
+from ghc_controller.schema.declared import check, declared, inline
+from ghc_controller.schema.domains import POSITIVE
 from ghc_controller.types import Array
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule, RawBounds, preview
 from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundQp, ForceBoundWeights
-from ghc_mpc_constraints.previews.horizon import STEP_TOLERANCE, Horizon
+from ghc_mpc_constraints.previews.horizon import HORIZON, SMOOTHING, STEP, STEP_TOLERANCE, Horizon
 
 
 @dataclass(frozen=True, slots=True)
 class ForceBoundSettings:
-    """Settings of the generator; the defaults are those of the thesis' figure 5.3."""
+    """Settings of the generator; the defaults are those of the thesis' figure 5.3.
 
-    step: float = 0.01  # [s] T
-    horizon: float = 1.5  # [s] N T
-    weights: ForceBoundWeights = field(default_factory=ForceBoundWeights)
-    tighten_rate: float = 50.0  # [N/s] without a solution and at the end of the plan
-    smoothing: bool = True  # False: raw bounds pass through
+    Raises:
+        InvalidValue: a number outside its range.
+    """
+
+    step: float = STEP
+    horizon: float = HORIZON
+    weights: ForceBoundWeights = inline(ForceBoundWeights)
+    tighten_rate: float = declared(
+        "towards the tightest bound ahead, without solution and plan",
+        50.0,
+        unit="N/s",
+        domain=POSITIVE,
+    )
+    smoothing: bool = SMOOTHING
+
+    def __post_init__(self) -> None:
+        check(self)
 
 
 class ContactForceBounds:
@@ -41,12 +54,8 @@ class ContactForceBounds:
         """Make the constant matrices and compile.
 
         Raises:
-            InvalidValue: a setting out of range.
+            InvalidValue: a horizon that is no multiple of the step.
         """
-        if not (math.isfinite(settings.tighten_rate) and settings.tighten_rate > 0.0):
-            raise InvalidValue(
-                f"tighten_rate = {settings.tighten_rate} N/s given, a number above 0 expected"
-            )
         self.settings = settings
         self.horizon = Horizon.of(settings.step, settings.horizon)
         self.counts: Counter[str] = Counter()

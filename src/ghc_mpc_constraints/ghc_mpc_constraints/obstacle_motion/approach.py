@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.errors import InvalidValue
+from ghc_controller.schema.declared import check, declared
+from ghc_controller.schema.domains import POSITIVE
 from ghc_controller.types import Array
 
 SAME_PLACE = 1e-9  # [m] closer or farther than this is neither
@@ -17,15 +17,20 @@ SAME_PLACE = 1e-9  # [m] closer or farther than this is neither
 class ReactionTime:
     """Time that the robot is given to make room, t_r >= d_v / v_max (eq. 4.4)."""
 
-    max_velocity: float  # [m/s] v_max, expected of the protected frame
-    shortest: float  # [s] for however small a move: the jerk grows as the time shrinks
+    max_velocity: float = declared(
+        "v_max of eq. 4.4: how fast the robot can make room", 0.1, unit="m/s", domain=POSITIVE
+    )
+    shortest: float = declared(
+        "at least, for however small an approach; eq. 4.4 is for larger ones",
+        0.3,
+        unit="s",
+        domain=POSITIVE,
+        name="reaction_time",
+    )
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for values that are not finite and positive."""
-        for name in ("max_velocity", "shortest"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise InvalidValue(f"{name} = {value} given, a finite number above 0 expected")
+        check(self)
 
     def of(self, violation: float) -> float:
         """Reaction time [s] to an approach by `violation` [m]."""

@@ -9,9 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ghc_controller.errors import InvalidValue, WrongSize
-from ghc_controller.types import Array
-
-UNIT_TOLERANCE = 1e-3  # [-] how far the length of a normal may be from 1
+from ghc_controller.types import UNIT_TOLERANCE, Array
 
 
 @dataclass(frozen=True, slots=True)

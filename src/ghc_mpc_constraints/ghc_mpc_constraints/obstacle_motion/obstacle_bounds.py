@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.errors import InvalidValue
 from ghc_controller.previews.motion_plan import (
     MotionPlan,
     MotionStatus,
@@ -17,11 +15,13 @@ from ghc_controller.previews.motion_plan import (
     integrate,
     state_at,
 )
+from ghc_controller.schema.declared import check, declared, inline
+from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 from ghc_controller.types import Array
 from ghc_mpc_constraints.obstacle_motion.approach import ReactionTime
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement, frame_of
 from ghc_mpc_constraints.obstacle_motion.virtual_obstacle import VirtualObstacle, at_rest
-from ghc_mpc_constraints.previews.horizon import Horizon
+from ghc_mpc_constraints.previews.horizon import HORIZON, SMOOTHING, STEP, Horizon
 from ghc_mpc_constraints.previews.motion_qp import MotionQp
 from ghc_mpc_constraints.previews.motion_weights import (
     POWER,
@@ -34,18 +34,40 @@ _STILL = np.zeros((0, 3))
 
 @dataclass(frozen=True, slots=True)
 class ObstacleSettings:
-    """Settings of the generator; T, N T and gamma are those of the thesis' figure 4.5."""
+    """Settings of the generator; T, N T and gamma are those of the thesis' figure 4.5.
 
-    step: float = 0.01  # [s] T
-    horizon: float = 1.5  # [s] N T
-    jerk_weight: float = 1e-5  # [s^6] gamma
-    dynamic_weighting: bool = True  # D of eq. 4.16; False: the constant weight of eq. 4.14
-    power: float = POWER  # [-] g of eq. 4.16
-    reaction: ReactionTime = field(default_factory=lambda: ReactionTime(0.1, 0.3))
-    margin: float = 0.05  # [m] outside the safe distance, where virtual obstacles enter and leave
-    stale_after: float = 0.5  # [s] without measurements
-    stale_margin: float = 0.05  # [m] by which an obstacle is then taken to be closer
-    smoothing: bool = True  # False: positions pass through as measured
+    Raises:
+        InvalidValue: a number outside its range.
+    """
+
+    step: float = STEP
+    horizon: float = HORIZON
+    jerk_weight: float = declared(
+        "gamma of eq. 4.14; 1e-8 to 1e-4", 1e-5, unit="s^6", domain=POSITIVE
+    )
+    dynamic_weighting: bool = declared(
+        "weighting matrix D of eq. 4.15, against overshoot; false: constant weight", True
+    )
+    power: float = declared(
+        "g of eq. 4.16; the lowest weight is 10^-g", POWER, unit="-", domain=NOT_NEGATIVE
+    )
+    reaction: ReactionTime = inline(ReactionTime)
+    margin: float = declared(
+        "beyond the safe distance, where virtual obstacles enter and leave",
+        0.05,
+        unit="m",
+        domain=NOT_NEGATIVE,
+    )
+    stale_after: float = declared(
+        "without a message: obstacles are taken to be closer", 0.5, unit="s", domain=POSITIVE
+    )
+    stale_margin: float = declared(
+        "by which they are taken to be closer", 0.05, unit="m", domain=NOT_NEGATIVE
+    )
+    smoothing: bool = SMOOTHING
+
+    def __post_init__(self) -> None:
+        check(self)
 
 
 class ObstacleBounds:
@@ -61,12 +83,8 @@ class ObstacleBounds:
         """Make the constant matrices and compile.
 
         Raises:
-            InvalidValue: a setting out of range.
+            InvalidValue: a horizon that is no multiple of the step.
         """
-        for name in ("margin", "stale_after", "stale_margin", "power"):
-            value = getattr(settings, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InvalidValue(f"{name} = {value} given, a finite number, 0 or more expected")
         self.settings = settings
         self.horizon = Horizon.of(settings.step, settings.horizon)
         self.counts: Counter[str] = Counter()

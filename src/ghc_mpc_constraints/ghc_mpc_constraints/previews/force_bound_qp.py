@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ghc_controller.errors import InvalidValue
 from ghc_controller.qp import QpProblem
+from ghc_controller.schema.declared import check, declared
+from ghc_controller.schema.domains import POSITIVE
 from ghc_controller.types import Array
 from ghc_mpc_constraints.previews.active_set import (
     CAPACITY,
@@ -33,15 +34,22 @@ from ghc_mpc_constraints.previews.second_solver import SecondSolver
 class ForceBoundWeights:
     """What a slow bound is worth against one close to the raw one."""
 
-    upper_rate_weight: float = 0.1  # [s^2] alpha of eq. 5.8
-    lower_rate_weight: float = 0.1  # [s^2] beta of eq. 5.8
+    upper_rate_weight: float = declared(
+        "alpha of eq. 5.8: weight of the upper bound's rate; 0.05 to 0.8",
+        0.1,
+        unit="s^2",
+        domain=POSITIVE,
+    )
+    lower_rate_weight: float = declared(
+        "beta of eq. 5.8: weight of the lower bound's rate; 0.05 to 0.8",
+        0.1,
+        unit="s^2",
+        domain=POSITIVE,
+    )
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for a weight that is not finite and positive."""
-        for name in ("upper_rate_weight", "lower_rate_weight"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise InvalidValue(f"{name} = {value} given, a finite number above 0 expected")
+        check(self)
 
 
 class ForceBoundQp:

@@ -15,9 +15,18 @@ from functools import lru_cache
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.types import Array
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import POSITIVE
+from ghc_controller.types import PREVIEW_STEP, Array
 
 STEP_TOLERANCE = 1e-6  # [-] of a step: how far a time may lie off the grid
+
+# What the settings of every generator begin with.
+STEP = declared(
+    "T between ticks; a multiple of the control period", PREVIEW_STEP, unit="s", domain=POSITIVE
+)
+HORIZON = declared("N T of the preview; a multiple of the step", 1.5, unit="s", domain=POSITIVE)
+SMOOTHING = declared("false: raw values pass through, for comparison", True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,7 +46,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
             GhcError: a parameter cannot be used.
         """
         super().__init__(NODE_NAME, ForceBoundParameters, stop)
-        self._generator = ContactForceBounds(self.parameters.settings())
+        self._generator = ContactForceBounds(self.parameters.settings)
         self._inbox = ScheduleInbox(self.parameters.lockstep)
         self._history = ScheduleHistory()
         self._scheduled: set[str] = set()  # contacts with a schedule
@@ -62,7 +62,7 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         horizon = self._generator.horizon
         self.node.get_logger().info(
             f"{horizon.steps} steps of {horizon.step:g} s, smoothing "
-            f"{'on' if self.parameters.smoothing else 'off'}: ready"
+            f"{'on' if self.parameters.settings.smoothing else 'off'}: ready"
         )
 
     def plan(self, start_ns: int) -> None:

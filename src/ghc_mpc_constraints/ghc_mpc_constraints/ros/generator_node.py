@@ -51,7 +51,7 @@ class GeneratorNode(ABC, Generic[P]):
         self.node = Node(name, automatically_declare_parameters_from_overrides=True)
         self.parameters: P = read_parameters(self.node, parameters)
         self.executor = self.parameters.executor
-        self.clock = TickClock(round(self.parameters.step * NANOSECONDS))
+        self.clock = TickClock(round(self.parameters.settings.step * NANOSECONDS))
         self.rejections = Rejections()
         self._name = name
         self._stop = stop
@@ -196,7 +196,7 @@ class GeneratorNode(ABC, Generic[P]):
         if trouble or refused:
             summary = f"{trouble} plans without a solution or inputs in doubt, {refused} refused"
         values: dict[str, object] = {"longest_tick_ms": round(1e3 * self._tick_time, 3)}
-        values |= {"smoothing": self.parameters.smoothing, **counts}
+        values |= {"smoothing": self.parameters.settings.smoothing, **counts}
         values |= {f"rejected_{k}": n for k, n in sorted(self.rejections.counts.items())}
         self._tick_time = 0.0
         self._diagnostics.publish(

@@ -44,7 +44,7 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
             GhcError: a parameter cannot be used.
         """
         super().__init__(NODE_NAME, ObstacleParameters, stop)
-        self._generator = ObstacleBounds(self.parameters.settings())
+        self._generator = ObstacleBounds(self.parameters.settings)
         self._message = ObstacleStateArray()
         self._sensor_period_ns = round(self.parameters.sensor_period * NANOSECONDS)
         self._sensed_ns = -1  # stamp of the newest array
@@ -58,7 +58,7 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
         horizon = self._generator.horizon
         self.node.get_logger().info(
             f"{horizon.steps} steps of {horizon.step:g} s, smoothing "
-            f"{'on' if self.parameters.smoothing else 'off'}: ready"
+            f"{'on' if self.parameters.settings.smoothing else 'off'}: ready"
         )
 
     def ready(self, start_ns: int) -> bool:

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from ghc_controller.contacts.contact import contact_axes
-from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.library import find_robot, load_robot
 from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.generator_metrics import (
@@ -25,7 +26,6 @@ from ghc_sim_bridge.logs.constraint_series import ConstraintSeries
 from ghc_sim_bridge.scene.description import load_scene
 
 CONSTRAINTS = "constraints.npz"
-_HORIZON = 0.1  # [s] of eq. 4.2, the controller's default
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> Generato
         for name in series.contacts
         if name in normals and name in log.wrenches
     }
-    horizon = float(plan.parameters["controller"].get("obstacle_horizon", _HORIZON))
+    horizon = _obstacle_horizon(plan.parameters["controller"])
     return GeneratorAnalysis(
         analysis=analysis,
         series=series,
@@ -102,3 +102,11 @@ def _contact_normal(contact: Fields) -> tuple[str, Array]:
     """Name and unit normal, made as the controller makes it: in the file any length will do."""
     name = contact.text("name")
     return name, contact_axes(np.array(contact.vector("normal", 3)), name)[2]
+
+
+def _obstacle_horizon(parameters: Mapping[str, Any]) -> float:
+    """delta t of eq. 4.2 [s]: a parameter of the run, else of the robot."""
+    given = parameters.get("obstacle_horizon")
+    if given is not None:
+        return float(given)
+    return Settings.for_robot(load_robot(parameters["robot"])).obstacle_horizon

@@ -9,11 +9,10 @@ from matplotlib.figure import Figure
 from ghc_sim_bridge.analysis.generator_analysis import GeneratorAnalysis
 from ghc_sim_bridge.analysis.metrics import torque_jumps
 from ghc_sim_bridge.analysis.task_errors import TaskHistory
-from ghc_sim_bridge.figures.style import colour, envelope, new_figure, styled
+from ghc_sim_bridge.figures.style import MOVES, colour, envelope, new_figure, styled
 from ghc_sim_bridge.logs.constraint_series import FORCE, LOWER, UPPER
 
 _SMALLEST_RATE = 1e-1  # [Nm/s] lower end of the logarithmic axis
-_MOVES = 1e-6  # [m] a reference that stays within this is static
 
 
 def generator_figure(off: GeneratorAnalysis, on: GeneratorAnalysis) -> Figure:
@@ -123,5 +122,5 @@ def _moving(run: GeneratorAnalysis) -> list[TaskHistory]:
     return [
         task
         for task in run.analysis.history.tasks
-        if task.unit == "m" and np.ptp(task.reference, axis=0).max() > _MOVES
+        if task.unit == "m" and np.ptp(task.reference, axis=0).max() > MOVES
     ]

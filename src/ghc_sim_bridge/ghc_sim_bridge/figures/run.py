@@ -10,6 +10,7 @@ from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.task_errors import TaskHistory
 from ghc_sim_bridge.figures.motion import jerk_figure, joints_figure
 from ghc_sim_bridge.figures.style import (
+    MOVES,
     colour,
     label_phases,
     mark_phases,
@@ -19,8 +20,6 @@ from ghc_sim_bridge.figures.style import (
 )
 from ghc_sim_bridge.figures.tasks import alpha_panels, draw_alphas, tasks_figure
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
-
-_MOVES = 1e-6  # [m] a reference that stays within this is static
 
 
 def run_figures(analysis: Analysis, trace: ControllerTrace) -> dict[str, Figure]:
@@ -32,7 +31,7 @@ def run_figures(analysis: Analysis, trace: ControllerTrace) -> dict[str, Figure]
             "jerk": jerk_figure(analysis),
         }
         for task in analysis.history.tasks:
-            moves = task.unit == "m" and np.ptp(task.reference, axis=0).max() > _MOVES
+            moves = task.unit == "m" and np.ptp(task.reference, axis=0).max() > MOVES
             if moves and task.reference.shape[1] == len("xyz"):
                 figures[f"path_{task.name}"] = path_figure(analysis, task)
             if task.desired_force is not None and task.measured_force is not None:

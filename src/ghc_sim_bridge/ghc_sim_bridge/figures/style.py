@@ -32,6 +32,7 @@ _STYLE: Mapping[str, object] = {
     "legend.fontsize": 8.0,
     "axes.titlesize": 9.0,
 }
+MOVES = 1e-6  # [m] a reference that stays within this is static
 _DPI = 110
 _PALETTE = 128  # colours kept in a PNG: line drawings need no more, and files stay small
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ghc_controller.ros.node_parameters import (
+from ghc_controller.schema.parameters import (
     EXECUTOR,
     given,
     not_negative,
@@ -12,6 +12,8 @@ from ghc_controller.ros.node_parameters import (
     parameter,
     positive,
 )
+from ghc_controller.types import CONTROL_DT
+from ghc_sim_bridge.simulation.timing import PHYSICS_DT
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,8 +22,8 @@ class BridgeParameters:
 
     scene: str = parameter("", "name of a scene, or path of its YAML file", given)
     mode: str = parameter("lockstep", "lockstep or realtime", one_of("lockstep", "realtime"))
-    control_dt: float = parameter(0.001, "[s] control period", positive)
-    physics_dt: float = parameter(0.001, "[s] physics step; divides control_dt", positive)
+    control_dt: float = parameter(CONTROL_DT, "[s] control period", positive)
+    physics_dt: float = parameter(PHYSICS_DT, "[s] physics step; divides control_dt", positive)
     stop_time: float = parameter(0.0, "[s] simulated end of the run; 0 = never", not_negative)
     paused: bool = parameter(False, "start paused; ~/pause starts the run")
     log_file: str = parameter("", "full-rate log (.npz) written at the end; empty = none")

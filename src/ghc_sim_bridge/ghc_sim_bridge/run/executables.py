@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from ghc_controller.errors import GhcError, UnknownName
+from ghc_controller.migration.names import Kind, hint
 
 _INDEX = Path("share", "ament_index", "resource_index", "packages")
 
@@ -25,6 +26,9 @@ def find_executable(package: str, executable: str) -> Path:
     there = executables(prefix, package)
     hits = [path for path in there if path.name == executable]
     if not hits:
+        words = hint(Kind.EXECUTABLE, f"{package} {executable}")
+        if words:
+            raise GhcError(f"no executable '{executable}' in '{package}': {words}")
         raise UnknownName(
             f"executable of package '{package}'", executable, (path.name for path in there)
         )

@@ -11,26 +11,51 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.schema.reader import Fields
+from ghc_controller.errors import InvalidField
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE, Range
 from ghc_controller.types import Array
 from ghc_sim_bridge.scenario.posture_motion import minimum_jerk
+
+_NONE: Mapping[str, float] = {}
 
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
     """A posture at which the robot is at rest."""
 
-    time: float  # [s] simulated
-    joints: Mapping[str, float]  # [rad]; a joint that is not named keeps its value
+    time: float = declared("simulated", unit="s", domain=NOT_NEGATIVE)
+    joints: Mapping[str, float] = declared(
+        "joint: position; a joint that is not named keeps its value", unit="rad", fallback=_NONE
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class Keyframes:
     """A motion as postures, and the tasks that follow it."""
 
-    tasks: tuple[str, ...]  # the tasks that get a reference
-    sample: float  # [s] between two points of the references
-    postures: tuple[Keyframe, ...]  # increasing times; before the first: the scene's start
+    tasks: tuple[str, ...] = declared(
+        "the tasks that get a reference", of="task names", empty=False
+    )
+    sample: float = declared(
+        "between two points of the references",
+        unit="s",
+        domain=Range(minimum=1e-3),
+        fallback=0.1,
+    )
+    postures: tuple[Keyframe, ...] = declared(
+        "increasing times; before the first: the scene's start", empty=False
+    )
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for times that do not increase."""
+        for k, (before, after) in enumerate(zip(self.postures, self.postures[1:], strict=False)):
+            if after.time <= before.time:
+                raise InvalidField(
+                    f"postures[{k + 1}].time",
+                    f"more than {before.time:g} s (the posture before) expected, "
+                    f"{after.time:g} given",
+                )
 
     def sample_times(self) -> tuple[float, ...]:
         """Points [s] no more than `sample` apart, the keyframes among them."""
@@ -76,29 +101,3 @@ def joint_motion(
         way * (30.0 * s**2 * (1.0 - s) ** 2 / span),
         way * (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / span**2),
     )
-
-
-def read_keyframes(fields: Fields) -> Keyframes:
-    """The section `keyframes` of a scenario.
-
-    Raises ConfigurationError: no task or posture, or times that do not increase.
-    """
-    tasks = fields.names("tasks", of="task names")
-    postures: list[Keyframe] = []
-    for entry in fields.sections("postures"):
-        joints = entry.section("joints", optional=True)
-        keyframe = Keyframe(
-            entry.number("time", minimum=0.0),
-            {name: joints.number(name) for name in joints.given()},
-        )
-        entry.done()
-        if postures and keyframe.time <= postures[-1].time:
-            raise entry.error(
-                "time",
-                f"more than {postures[-1].time:g} s (the posture before) expected, "
-                f"{keyframe.time:g} given",
-            )
-        postures.append(keyframe)
-    keyframes = Keyframes(tasks, fields.number("sample", 0.1, minimum=1e-3), tuple(postures))
-    fields.done()
-    return keyframes

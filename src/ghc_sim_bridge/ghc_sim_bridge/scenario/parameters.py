@@ -9,8 +9,7 @@ from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_sim_bridge.scenario.plan import RunPlan
 from ghc_sim_bridge.scenario.schedules import GENERATORS
 from ghc_sim_bridge.scene.description import load_scene
-
-_PHYSICS_DT = 1e-3  # [s] longest step of the integrator
+from ghc_sim_bridge.simulation.timing import PHYSICS_DT
 
 
 def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
@@ -25,7 +24,7 @@ def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
             "scene": scenario.scene,
             "mode": plan.options.mode,
             "control_dt": plan.control_dt,
-            "physics_dt": plan.control_dt / math.ceil(plan.control_dt / _PHYSICS_DT - 1e-9),
+            "physics_dt": plan.control_dt / math.ceil(plan.control_dt / PHYSICS_DT - 1e-9),
             "stop_time": plan.duration,
             "paused": True,
             "lossless": plan.options.record == "full",

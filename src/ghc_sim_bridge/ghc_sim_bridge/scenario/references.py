@@ -7,9 +7,14 @@ interpolation between the points to follow it.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ghc_controller.errors import InvalidField
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE, Range
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 
 Vector = tuple[float, ...]
 KINDS = ("position", "joints", "points", "lemniscate")
@@ -19,22 +24,26 @@ KINDS = ("position", "joints", "points", "lemniscate")
 class ReferencePoint:
     """A point of a reference; m = rows of the task."""
 
-    time: float  # [s] simulated
-    position: Vector  # (m,) [m] or [rad]; empty = unchanged
-    velocity: Vector = ()  # (m,) [m/s] or [rad/s]; empty = zero
-    acceleration: Vector = ()  # (m,) [m/s^2] or [rad/s^2]; empty = zero
-    wrench: Vector = ()  # (m,) [N] or [Nm] that the robot shall exert on its surroundings
+    time: float = declared("simulated", unit="s", domain=NOT_NEGATIVE)
+    position: Vector = declared("(m,) [m] or [rad]; left out = unchanged", fallback=())
+    velocity: Vector = declared("(m,) [m/s] or [rad/s]; left out = zero", ())
+    acceleration: Vector = declared("(m,) [m/s^2] or [rad/s^2]; left out = zero", ())
+    wrench: Vector = declared(
+        "(m,) [N] or [Nm] that the robot shall exert on its surroundings", ()
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class Lemniscate:
     """Lemniscate of Gerono: p = c + a sin(w t) + b sin(2 w t), with w = 2 pi / period."""
 
-    center: Vector  # (3,) [m] c
-    along: Vector  # (3,) [m] half axis a
-    across: Vector  # (3,) [m] half axis b
-    period: float  # [s]
-    sample: float  # [s] between two points
+    center: Vector = declared("c", unit="m", size=3)
+    along: Vector = declared("half axis a", unit="m", size=3)
+    across: Vector = declared("half axis b", unit="m", size=3)
+    period: float = declared("of the curve", unit="s", domain=Range(minimum=1e-3))
+    sample: float = declared(
+        "between two points", unit="s", domain=Range(minimum=1e-3), fallback=0.1
+    )
 
     def point(self, time: float) -> ReferencePoint:
         """Position and its two derivatives at one instant [s]."""
@@ -67,51 +76,41 @@ class Reference:
         return tuple(self.lemniscate.point(k * self.lemniscate.sample) for k in range(count))
 
 
-def read_reference(task: str, fields: Fields) -> Reference:
-    """The reference of one task from its section of a scenario file."""
+@dataclass(frozen=True, slots=True)
+class ReferenceFields:
+    """The reference of one task in a scenario file: one of these fields."""
+
+    position: Vector | None = declared("standing position [m] or [rad]", None)
+    joints: Mapping[str, float] | None = declared("joint: standing position", None, unit="rad")
+    points: tuple[ReferencePoint, ...] = declared("increasing times", (), empty=False)
+    lemniscate: Lemniscate | None = declared("a figure of eight", None)
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for points whose times do not increase."""
+        for k, (before, after) in enumerate(zip(self.points, self.points[1:], strict=False)):
+            if after.time <= before.time:
+                expected = f"more than {before.time:g} s (the point before) expected"
+                raise InvalidField(f"points[{k + 1}].time", f"{expected}, {after.time:g} given")
+
+    def reference(self, task: str) -> Reference:
+        """The reference that is meant."""
+        if self.position is not None:
+            return Reference(task, (ReferencePoint(0.0, self.position),))
+        if self.joints is not None:
+            point = ReferencePoint(0.0, tuple(self.joints.values()))
+            return Reference(task, (point,), tuple(self.joints))
+        return Reference(task, self.points, lemniscate=self.lemniscate)
+
+
+def read_references(scenario: Fields, name: str) -> tuple[Reference, ...]:
+    """The section `references` of a scenario file: task -> its reference."""
+    tasks = scenario.section(name, optional=True)
+    return tuple(_read_reference(task, tasks.section(task)) for task in tasks.given())
+
+
+def _read_reference(task: str, fields: Fields) -> Reference:
     given = [kind for kind in KINDS if fields.has(kind)]
     if len(given) != 1:
         shown = ", ".join(given or fields.given()) or "nothing"
         raise fields.complaint(f"exactly one of {', '.join(KINDS)} expected, {shown} given")
-    if given[0] == "position":
-        reference = Reference(task, (ReferencePoint(0.0, fields.vector("position")),))
-    elif given[0] == "joints":
-        joints = fields.section("joints")
-        values = tuple(joints.number(name) for name in joints.given())
-        reference = Reference(task, (ReferencePoint(0.0, values),), joints.given())
-    elif given[0] == "points":
-        reference = Reference(task, _read_points(fields))
-    else:
-        reference = Reference(task, lemniscate=_read_lemniscate(fields.section("lemniscate")))
-    fields.done()
-    return reference
-
-
-def _read_points(fields: Fields) -> tuple[ReferencePoint, ...]:
-    points: list[ReferencePoint] = []
-    for item in fields.sections("points"):
-        point = ReferencePoint(
-            time=item.number("time", minimum=0.0),
-            position=item.vector("position", default=()),
-            velocity=item.vector("velocity", default=()),
-            acceleration=item.vector("acceleration", default=()),
-            wrench=item.vector("wrench", default=()),
-        )
-        item.done()
-        if points and point.time <= points[-1].time:
-            expected = f"more than {points[-1].time:g} s (the point before) expected"
-            raise item.error("time", f"{expected}, {point.time:g} given")
-        points.append(point)
-    return tuple(points)
-
-
-def _read_lemniscate(fields: Fields) -> Lemniscate:
-    lemniscate = Lemniscate(
-        center=fields.vector("center", 3),
-        along=fields.vector("along", 3),
-        across=fields.vector("across", 3),
-        period=fields.number("period", minimum=1e-3),
-        sample=fields.number("sample", 0.1, minimum=1e-3),
-    )
-    fields.done()
-    return lemniscate
+    return read(fields, ReferenceFields).reference(task)

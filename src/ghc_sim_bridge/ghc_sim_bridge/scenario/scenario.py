@@ -8,27 +8,40 @@ hierarchies. `variants` override top-level fields under a name. Files in the pac
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ghc_controller.errors import UnknownName
+from ghc_controller.errors import InvalidField, UnknownName
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
+from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, Range
 from ghc_controller.schema.reader import Fields, read_yaml
-from ghc_sim_bridge.scenario.keyframes import Keyframes, read_keyframes
-from ghc_sim_bridge.scenario.references import Reference, read_reference
+from ghc_controller.schema.record import read
+from ghc_controller.types import CONTROL_DT
+from ghc_sim_bridge.scenario.keyframes import Keyframes
+from ghc_sim_bridge.scenario.references import Reference, ReferenceFields, read_references
 from ghc_sim_bridge.scenario.schedules import (
+    GENERATOR_PARAMETERS,
     GENERATORS,
     Event,
+    ScheduleFields,
     ScriptedSchedule,
-    read_events,
     read_generators,
-    read_schedule,
+    read_schedules,
 )
-from ghc_sim_bridge.scenario.walk.fields import read_walk
-from ghc_sim_bridge.scenario.walk.walk import walk_events, walk_references, walk_schedules
+from ghc_sim_bridge.scenario.walk.walk import (
+    Walk,
+    walk_events,
+    walk_references,
+    walk_schedules,
+)
 
+_AS_SCENARIO = -1.0  # [s] a hold that no file can give
+
+CHECKED: Mapping[str, type] = {"controller": ControllerParameters, **GENERATOR_PARAMETERS}
 NODES = ("sim_bridge", "controller", "recorder", "viewer", *GENERATORS)
 
 
@@ -40,47 +53,168 @@ class PriorityTable:
     alpha: tuple[tuple[float, ...], ...]  # (k, k) [-]; alpha[i][j] = 1: j strictly before i
 
 
+def _read_alpha(fields: Fields, name: str) -> tuple[tuple[float, ...], ...]:
+    if not fields.has(name):
+        return ()
+    size = len(fields.names("tasks", of="task names"))
+    rows = fields.value(name)
+    if not isinstance(rows, list) or len(rows) != size:
+        given = len(rows) if isinstance(rows, list) else repr(rows)
+        raise fields.error(name, f"{size} rows (one per task) expected, {given} given")
+    alpha = fields.vectors(name, size)
+    for k, row in enumerate(alpha):
+        if min(row) < 0.0 or max(row) > 1.0:
+            raise fields.error(f"{name}[{k}]", f"numbers in [0, 1] expected, {list(row)} given")
+    return alpha
+
+
+def _read_parameters(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
+    """Node -> its parameters; those of controller and generators are checked here."""
+    fields = scenario.section(name, optional=True)
+    for node in fields.given():
+        if node not in NODES:
+            raise fields.error(node, f"unknown node; known: {', '.join(NODES)}")
+        if node in CHECKED:
+            read(fields.section(node), CHECKED[node])
+    return {node: fields.section(node).values for node in fields.given()}
+
+
+def _read_formulations(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
+    """Formulation -> parameters of the controller."""
+    fields = scenario.section(name, optional=True)
+    for formulation in fields.given():
+        if formulation not in FORMULATIONS:
+            known = ", ".join(FORMULATIONS)
+            raise fields.error(formulation, f"unknown formulation; known: {known}")
+        read(fields.section(formulation), ControllerParameters)
+    return {formulation: fields.section(formulation).values for formulation in fields.given()}
+
+
 @dataclass(frozen=True, slots=True)
 class Phase:
     """A hierarchy and how long it is held after its transition."""
 
-    hierarchy: str  # e.g. "end_effector > elbow > posture"; the text shown when a table is given
-    hold: float  # [s] after the transition
-    table: PriorityTable | None = None  # used in place of the hierarchy string
-    paper: Mapping[str, Any] | None = None  # the paper's figures for this phase
-
-
-@dataclass(frozen=True, slots=True)
-class Scenario:
-    """One experiment, ready to be planned."""
-
-    name: str
-    title: str
-    file: Path
-    variant: str  # "" when the file has no variants
-    variants: tuple[str, ...]  # all names in the file, the default one first
-    robot: str
-    scene: str
-    formulation: str
-    control_dt: float  # [s]
-    transition: float  # [s] duration of each ramp
-    torque_rate: float  # [Nm/s] budget of each ramp; 0 = none
-    torque_rate_limit: float  # [Nm/s] controller and bridge; 0 = off
-    references: tuple[Reference, ...]
-    keyframes: Keyframes | None  # more references, as postures of the whole body
-    phases: tuple[Phase, ...]
-    parameters: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value
-    formulation_parameters: Mapping[str, Mapping[str, Any]]  # formulation -> of the controller
-    robot_changes: Mapping[str, Any]  # merged into the robot's YAML
-    generators: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value; empty = none
-    contact_schedules: tuple[ScriptedSchedule, ...]  # for the generator of force bounds
-    events: tuple[Event, ...]  # jumps whose cost is compared without and with generators
-    raw_bounds_only: bool  # a way of its own to be smooth: never run with generators on
-    watched_joints: tuple[str, ...]  # whose torques the comparison of ways looks at; empty = none
-    paper: Mapping[str, Any]  # what the paper says, copied into the summary
-    standing_height: float | None = (
-        None  # [m] of a floating base at the end; None = as at the start
+    hierarchy: str = declared(
+        "such as 'end_effector > elbow'; with alpha the text that is shown", ""
     )
+    hold: float = declared(
+        "after the transition; left out = of the scenario",
+        _AS_SCENARIO,
+        unit="s",
+        domain=NOT_NEGATIVE,
+    )
+    tasks: tuple[str, ...] = declared("rows and columns of alpha", (), of="task names")
+    alpha: tuple[tuple[float, ...], ...] = declared(
+        "priority matrix instead of a hierarchy; alpha[i][j] = 1: j strictly before i",
+        (),
+        unit="-",
+        read=_read_alpha,
+        schema=lambda schema: schema.rows_of(SHARE),
+    )
+    paper: Mapping[str, Any] = declared("the paper's figures for this phase", dict)
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for a phase without priorities."""
+        if self.tasks and not self.alpha:
+            raise InvalidField("alpha", "missing; tasks are given")
+        if not self.hierarchy:
+            if not self.alpha:
+                raise InvalidField("hierarchy", "missing, and no alpha in its place")
+            object.__setattr__(self, "hierarchy", f"alpha of {', '.join(self.tasks)}")
+
+    @property
+    def table(self) -> PriorityTable | None:
+        """What is used in place of the hierarchy string."""
+        return PriorityTable(self.tasks, self.alpha) if self.alpha else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario:
+    """One experiment, ready to be planned; the last three fields are not of the file."""
+
+    name: str = declared("folder below results/; empty = name of the file", "")
+    title: str = declared("words for tables")
+    robot: str = declared("name of a robot, or path from where the run is started")
+    scene: str = declared("name of a scene, or path from where the run is started")
+    formulation: str = declared("name of a formulation", DEFAULT_FORMULATION)
+    control_dt: float = declared(
+        "control period", CONTROL_DT, unit="s", domain=Range(minimum=1e-6)
+    )
+    transition: float = declared("duration of each ramp", 2.0, unit="s", domain=NOT_NEGATIVE)
+    torque_rate: float = declared(
+        "budget of each ramp, which may then take longer; 0 = none",
+        0.0,
+        unit="Nm/s",
+        domain=NOT_NEGATIVE,
+    )
+    hold: float = declared(
+        "after each ramp; also a field of a phase", 8.0, unit="s", domain=NOT_NEGATIVE
+    )
+    torque_rate_limit: float = declared(
+        "of controller and bridge; 0 = off", unit="Nm/s", domain=NOT_NEGATIVE
+    )
+    references: tuple[Reference, ...] = declared(
+        "task: its reference",
+        (),
+        read=read_references,
+        schema=lambda schema: schema.mapping(schema.record(ReferenceFields)),
+    )
+    keyframes: Keyframes | None = declared("more references, as postures of the body", None)
+    walk: Walk | None = declared("a walk along x: adds references, schedules and events", None)
+    phases: tuple[Phase, ...] = declared("one after the other", empty=False)
+    parameters: Mapping[str, Mapping[str, Any]] = declared(
+        "node: further parameters",
+        dict,
+        read=_read_parameters,
+        schema=lambda schema: schema.node_parameters(NODES),
+    )
+    formulation_parameters: Mapping[str, Mapping[str, Any]] = declared(
+        "formulation: further parameters of the controller with it",
+        dict,
+        read=_read_formulations,
+        schema=lambda schema: schema.by_name(FORMULATIONS, schema.parameters_of("controller")),
+    )
+    robot_changes: Mapping[str, Any] = declared(
+        "merged into robot.yaml, tasks and contacts found by name", dict
+    )
+    generators: Mapping[str, Mapping[str, Any]] = declared(
+        "node: its parameters; every generator that is named is started",
+        dict,
+        read=read_generators,
+        schema=lambda schema: schema.node_parameters(GENERATORS),
+    )
+    contact_schedules: tuple[ScriptedSchedule, ...] = declared(
+        "what each contact may carry, for the generator of force bounds",
+        (),
+        read=read_schedules,
+        schema=lambda schema: {"type": "array", "items": schema.record(ScheduleFields)},
+    )
+    events: tuple[Event, ...] = declared(
+        "jumps whose cost is compared without and with generators", ()
+    )
+    raw_bounds_only: bool = declared(
+        "a way of its own to be smooth: never run with generators on", False
+    )
+    watched_joints: tuple[str, ...] = declared("whose torques the comparison of ways looks at", ())
+    standing_height: float | None = declared(
+        "of a floating base at the end; left out = as at the start",
+        None,
+        unit="m",
+        domain=NOT_NEGATIVE,
+    )
+    paper: Mapping[str, Any] = declared("what the paper says, copied into the summary", dict)
+    file: Path = Path()
+    variant: str = ""  # "" when the file has no variants
+    variants: tuple[str, ...] = ()  # all names in the file, the default one first
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for events that do not follow each other."""
+        for k, (before, after) in enumerate(zip(self.events, self.events[1:], strict=False)):
+            if after.time <= before.time:
+                raise InvalidField(
+                    f"events[{k + 1}].time",
+                    f"more than {before.time:g} expected, {after.time:g} given",
+                )
 
 
 def scenario_names() -> tuple[str, ...]:
@@ -122,98 +256,29 @@ def load_scenario(name: str, variant: str = "") -> Scenario:
 def _read_scenario(
     fields: Fields, file: Path, variant: str, variants: tuple[str, ...]
 ) -> Scenario:
-    scripted = fields.section("references", optional=True)
-    references = tuple(read_reference(task, scripted.section(task)) for task in scripted.given())
-    hold = fields.number("hold", 8.0, minimum=0.0)
-    phases = tuple(_read_phase(item, hold) for item in fields.sections("phases"))
-    parameters = fields.section("parameters", optional=True)
-    for node in parameters.given():
-        if node not in NODES:
-            raise parameters.error(node, f"unknown node; known: {', '.join(NODES)}")
-    generators = read_generators(fields.section("generators", optional=True))
-    schedules = tuple(
-        read_schedule(item) for item in fields.sections("contact_schedules", optional=True)
-    )
-    events = read_events(fields)
-    if fields.has("walk"):
-        walk = read_walk(fields.section("walk"))
-        references = (*references, *walk_references(walk))
-        schedules = (*schedules, *walk_schedules(walk))
-        events = tuple(sorted((*events, *walk_events(walk)), key=lambda event: event.time))
-    if schedules and "contact_force_bounds" not in generators:
-        raise fields.error(
-            "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
-        )
-    scenario = Scenario(
-        name=fields.text("name", file.stem),
-        title=fields.text("title"),
+    given = read(fields, Scenario)
+    scenario = replace(
+        given,
+        name=given.name or file.stem,
+        phases=tuple(
+            phase if phase.hold != _AS_SCENARIO else replace(phase, hold=given.hold)
+            for phase in given.phases
+        ),
         file=file,
         variant=variant,
         variants=variants,
-        robot=fields.text("robot"),
-        scene=fields.text("scene"),
-        formulation=fields.text("formulation", DEFAULT_FORMULATION),
-        control_dt=fields.number("control_dt", 1e-3, minimum=1e-6),
-        transition=fields.number("transition", 2.0, minimum=0.0),
-        torque_rate=fields.number("torque_rate", 0.0, minimum=0.0),
-        torque_rate_limit=fields.number("torque_rate_limit", minimum=0.0),
-        references=references,
-        keyframes=_optional_keyframes(fields),
-        phases=phases,
-        parameters={node: parameters.section(node).values for node in parameters.given()},
-        formulation_parameters=_read_formulations(
-            fields.section("formulation_parameters", optional=True)
-        ),
-        robot_changes=fields.section("robot_changes", optional=True).values,
-        generators=generators,
-        contact_schedules=schedules,
-        events=events,
-        raw_bounds_only=fields.flag("raw_bounds_only", False),
-        watched_joints=fields.names("watched_joints", optional=True),
-        paper=fields.section("paper", optional=True).values,
-        standing_height=(
-            fields.number("standing_height", minimum=0.0)
-            if fields.has("standing_height")
-            else None
-        ),
     )
-    fields.done()
+    walk = scenario.walk
+    if walk is not None:
+        events = (*scenario.events, *walk_events(walk))
+        scenario = replace(
+            scenario,
+            references=(*scenario.references, *walk_references(walk)),
+            contact_schedules=(*scenario.contact_schedules, *walk_schedules(walk)),
+            events=tuple(sorted(events, key=lambda event: event.time)),
+        )
+    if scenario.contact_schedules and "contact_force_bounds" not in scenario.generators:
+        raise fields.error(
+            "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
+        )
     return scenario
-
-
-def _optional_keyframes(fields: Fields) -> Keyframes | None:
-    return read_keyframes(fields.section("keyframes")) if fields.has("keyframes") else None
-
-
-def _read_formulations(fields: Fields) -> Mapping[str, Mapping[str, Any]]:
-    for name in fields.given():
-        if name not in FORMULATIONS:
-            raise fields.error(name, f"unknown formulation; known: {', '.join(FORMULATIONS)}")
-    return {name: fields.section(name).values for name in fields.given()}
-
-
-def _read_phase(fields: Fields, default_hold: float) -> Phase:
-    table = None
-    if fields.has("alpha"):
-        table = _read_table(fields)
-        hierarchy = fields.text("hierarchy", f"alpha of {', '.join(table.tasks)}")
-    else:
-        hierarchy = fields.text("hierarchy")
-    hold = fields.number("hold", default_hold, minimum=0.0)
-    paper = fields.value("paper", {})
-    fields.done()
-    return Phase(hierarchy, hold, table, paper)
-
-
-def _read_table(fields: Fields) -> PriorityTable:
-    tasks = fields.names("tasks", of="task names")
-    rows = fields.value("alpha")
-    size = len(tasks)
-    if not isinstance(rows, list) or len(rows) != size:
-        given = len(rows) if isinstance(rows, list) else repr(rows)
-        raise fields.error("alpha", f"{size} rows (one per task) expected, {given} given")
-    alpha = fields.vectors("alpha", size)
-    for k, row in enumerate(alpha):
-        if min(row) < 0.0 or max(row) > 1.0:
-            raise fields.error(f"alpha[{k}]", f"numbers in [0, 1] expected, {list(row)} given")
-    return PriorityTable(tasks, alpha)

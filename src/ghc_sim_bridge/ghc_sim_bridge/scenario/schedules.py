@@ -6,12 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
+from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
 
 # Node -> what the controller waits for (its parameter wait_for_bounds).
 GENERATORS: Mapping[str, str] = {
     "contact_force_bounds": "contact_force_bounds",
     "obstacle_bounds": "obstacle_motion",
+}
+GENERATOR_PARAMETERS: Mapping[str, type] = {
+    "contact_force_bounds": ForceBoundParameters,
+    "obstacle_bounds": ObstacleParameters,
 }
 
 
@@ -27,51 +35,63 @@ class ScriptedSchedule:
 
 
 @dataclass(frozen=True, slots=True)
+class BoundsFrom:
+    """What a contact may carry from one time on."""
+
+    time: float = declared("simulated", unit="s")
+    lower: float = declared("smallest normal force", unit="N")
+    upper: float = declared("largest normal force; 0 = no contact", unit="N")
+
+
+@dataclass(frozen=True, slots=True)
+class ScheduleFields:
+    """One entry of `contact_schedules`; the generator judges what it holds."""
+
+    contact: str = declared("as in contacts/<name>")
+    bounds: tuple[BoundsFrom, ...] = declared("increasing times", empty=False)
+    known_from: float = declared(
+        "the generator does not look at it before; 0 = from the start",
+        0.0,
+        unit="s",
+        domain=NOT_NEGATIVE,
+    )
+
+    def schedule(self) -> ScriptedSchedule:
+        """The same by columns."""
+        return ScriptedSchedule(
+            self.contact,
+            tuple(entry.time for entry in self.bounds),
+            tuple(entry.lower for entry in self.bounds),
+            tuple(entry.upper for entry in self.bounds),
+            self.known_from,
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Event:
     """Event whose torque-rate peak is evaluated, without and with generators."""
 
-    time: float  # [s]
-    name: str
+    time: float = declared("simulated", unit="s", domain=NOT_NEGATIVE)
+    name: str = declared("in words")
 
 
-def read_generators(fields: Fields) -> Mapping[str, Mapping[str, Any]]:
+def read_generators(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
     """Node -> its parameters; every generator that is named is started.
 
     Raises ConfigurationError for a node that is no generator, or one without a value.
     """
+    fields = scenario.section(name, optional=True)
     for name in fields.given():
         if name not in GENERATORS:
             raise fields.error(name, f"unknown generator; known: {', '.join(GENERATORS)}")
     # A generator without parameters of its own is written as `name: {}`.
     sections = {name: fields.section(name) for name in fields.given()}
-    return {
-        name: {parameter: section.value(parameter) for parameter in section.given()}
-        for name, section in sections.items()
-    }
+    for name, section in sections.items():
+        read(section, GENERATOR_PARAMETERS[name])
+    return {name: section.values for name, section in sections.items()}
 
 
-def read_schedule(fields: Fields) -> ScriptedSchedule:
-    """One entry of `contact_schedules`; the generator judges what it holds."""
-    rows = []
-    for entry in fields.sections("bounds"):
-        rows.append([entry.number(name) for name in ("time", "lower", "upper")])
-        entry.done()
-    times, lower, upper = zip(*rows, strict=True)
-    schedule = ScriptedSchedule(
-        fields.text("contact"), times, lower, upper, fields.number("known_from", 0.0, minimum=0.0)
-    )
-    fields.done()
-    return schedule
-
-
-def read_events(fields: Fields) -> tuple[Event, ...]:
-    """The list `events` of a scenario, in the order of their times."""
-    events: list[Event] = []
-    for entry in fields.sections("events", optional=True):
-        event = Event(entry.number("time", minimum=0.0), entry.text("name"))
-        entry.done()
-        if events and event.time <= events[-1].time:
-            before = events[-1].time
-            raise entry.error("time", f"more than {before:g} expected, {event.time:g} given")
-        events.append(event)
-    return tuple(events)
+def read_schedules(scenario: Fields, name: str) -> tuple[ScriptedSchedule, ...]:
+    """The list `contact_schedules` of a scenario."""
+    entries = scenario.sections(name, optional=True)
+    return tuple(read(entry, ScheduleFields).schedule() for entry in entries)

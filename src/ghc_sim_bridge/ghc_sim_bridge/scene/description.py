@@ -6,6 +6,7 @@ Everything is checked here, with file and field in the message.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -13,16 +14,8 @@ from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.urdf import find_urdf
 from ghc_controller.schema.reader import Fields, read_yaml
-from ghc_sim_bridge.scene.fields import (
-    read_base,
-    read_camera,
-    read_contact,
-    read_surface,
-    read_vector,
-)
-from ghc_sim_bridge.scene.obstacle_fields import read_obstacle, read_sensor_period
+from ghc_controller.schema.record import read
 from ghc_sim_bridge.scene.values import (
-    BaseStart,
     Camera,
     Contact,
     Obstacle,
@@ -73,54 +66,28 @@ def load_scene(scene: str | Path) -> SceneDescription:
     """
     file = find_scene(scene)
     fields = read_yaml(file)
-    robot_file, robot, urdf = _robot(fields, file)
+    given = read(fields, SceneDescription)
+    robot_file, robot, urdf = _robot(given.robot, fields, file)
+    _check_base(fields, robot)
     limits = robot.section("limits", optional=True)
-    start = fields.section("start")
-    description = SceneDescription(
-        name=fields.text("name", file.stem),
+    torque = limits.number_or_map("torque") if given.torque_limit is None else given.torque_limit
+    return replace(
+        given,
+        name=given.name or file.stem,
         file=file,
         robot_file=robot_file,
         urdf=urdf,
-        start={joint: start.number(joint) for joint in start.given()},
-        base=_base(fields, robot),
-        torque_limit=(
-            fields.number_or_map("torque_limit")
-            if fields.has("torque_limit")
-            else limits.number_or_map("torque")
-        ),
+        torque_limit=torque,
         velocity_limit=limits.number_or_map("velocity"),
-        gravity=read_vector(fields, "gravity", (0.0, 0.0, -9.81)),
-        surfaces=tuple(
-            read_surface(entry) for entry in fields.sections("surfaces", optional=True)
-        ),
-        contacts=tuple(
-            read_contact(entry) for entry in fields.sections("contacts", optional=True)
-        ),
-        camera=read_camera(fields.section("camera")),
-        obstacles=tuple(
-            read_obstacle(entry) for entry in fields.sections("obstacles", optional=True)
-        ),
-        sensor_period=read_sensor_period(fields),
-        end_stops=fields.flag("end_stops", True),
     )
-    fields.done()
-    for what, entries in (
-        ("surfaces", [surface.name for surface in description.surfaces]),
-        ("contacts", [contact.name for contact in description.contacts]),
-        ("obstacles", [obstacle.id for obstacle in description.obstacles]),
-    ):
-        if len(set(entries)) < len(entries):
-            raise fields.error(what, f"names must differ, {entries} given")
-    return description
 
 
 def _scene_folder() -> Path:
     return Path(str(files("ghc_sim_bridge"))) / "scene" / "data"
 
 
-def _robot(fields: Fields, file: Path) -> tuple[Path, Fields, Path]:
+def _robot(name: str, fields: Fields, file: Path) -> tuple[Path, Fields, Path]:
     """File and fields of the robot.yaml, and the URDF that it names."""
-    name = fields.text("robot")
     try:
         robot_file = find_robot(file.parent / name if name.startswith(".") else name)
     except (UnknownName, ConfigurationError) as error:
@@ -132,10 +99,9 @@ def _robot(fields: Fields, file: Path) -> tuple[Path, Fields, Path]:
     return robot_file, robot, urdf
 
 
-def _base(fields: Fields, robot: Fields) -> BaseStart | None:
-    """Where the base starts; given for a robot with a floating base, and for no other."""
+def _check_base(fields: Fields, robot: Fields) -> None:
+    """`base` is given for a robot with a floating base, and for no other."""
     if robot.flag("floating_base", False):
-        return read_base(fields.section("base"))
-    if fields.has("base"):
+        fields.value("base")
+    elif fields.has("base"):
         raise fields.error("base", "the robot's base is fixed, it has no start of its own")
-    return None

@@ -1,98 +1,202 @@
-"""What a scene adds to a robot, as frozen values: surroundings, contacts, obstacles, a camera."""
+"""What a scene adds to a robot: declared values of surroundings, contacts, obstacles, a camera."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from ghc_controller.errors import InvalidField
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, OneOf, Range
+from ghc_controller.schema.reader import Fields
+from ghc_controller.types import UNIT_TOLERANCE
 
 Vector = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
 Limit = float | Mapping[str, float] | None
 
 SURFACE_KINDS = ("plane", "box")
+_ORIGIN = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class BaseStart:
     """Where a floating base starts: frames of the robot that lie flat on something."""
 
-    stand_on: tuple[str, ...]  # frames of the URDF; z of the first one points up
-    at: Vector  # [m] mean of their origins, world
-    heading: float  # [deg] about z, of the x axis of the first one; 0 = along +x
+    stand_on: tuple[str, ...] = declared(
+        "frames of the URDF; z of the first one points up", names="frame", of="frames", empty=False
+    )
+    at: Vector = declared("mean of their origins, world", _ORIGIN, unit="m")
+    heading: float = declared(
+        "about z, of the x axis of the first one; 0 = along +x", 0.0, unit="deg"
+    )
+
+
+def _size(fields: Fields, name: str) -> Vector:
+    """Needed for everything but a plane."""
+    if not fields.has(name) and fields.value("kind") == "plane":
+        return _ORIGIN
+    x, y, z = fields.vector(name, 3)
+    return x, y, z
 
 
 @dataclass(frozen=True)
 class Surface:
     """A body of the surroundings that does not move; its top is horizontal."""
 
-    name: str
-    kind: str  # one of SURFACE_KINDS
-    top: Vector  # [m] centre of the top face, world
-    size: Vector  # [m] full lengths; of a plane, for the picture only, 0 = without end
-    colour: Colour
-    touches: bool  # whether contacts feel it, or it is there for the picture only
+    name: str = declared("name of the surface")
+    kind: str = declared("plane or box", domain=OneOf(SURFACE_KINDS))
+    top: Vector = declared("center of the top face, world", _ORIGIN, unit="m")
+    size: Vector = declared(
+        "full lengths of a box; of a plane, for the picture only, 0 = without end",
+        _ORIGIN,
+        unit="m",
+        read=_size,
+    )
+    colour: Colour = declared(
+        "red, green, blue, opacity", (0.8, 0.8, 0.8, 1.0), unit="-", domain=SHARE
+    )
+    touches: bool = declared("whether contacts feel it, or it is there for the picture only", True)
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for a box without volume."""
+        if self.kind != "plane" and min(self.size) <= 0.0:
+            raise InvalidField("size", f"lengths above 0 expected, {self.size} given")
 
 
 @dataclass(frozen=True)
 class Contact:
     """Where the robot may touch the surroundings: spheres fixed to one of its frames."""
 
-    name: str
-    frame: str
-    radius: float  # [m]
-    points: tuple[Vector, ...]  # [m] centres of the spheres in the frame
-    friction: float  # sliding friction coefficient; 0 = frictionless
-    time_constant: float  # [s] of the constraint's penetration; smaller is stiffer
-    damping_ratio: float
+    name: str = declared("published as contacts/<name>")
+    frame: str = declared("frame of the URDF", names="frame")
+    radius: float = declared("of the spheres", unit="m", domain=Range(minimum=1e-4))
+    points: tuple[Vector, ...] = declared(
+        "centers of the spheres in the frame", (_ORIGIN,), unit="m"
+    )
+    friction: float = declared(
+        "sliding friction coefficient; 0 = frictionless", 0.5, unit="-", domain=NOT_NEGATIVE
+    )
+    time_constant: float = declared(
+        "of the constraint's penetration; smaller is stiffer",
+        0.005,
+        unit="s",
+        domain=Range(minimum=1e-4),
+    )
+    damping_ratio: float = declared("of the penetration", 1.0, unit="-", domain=NOT_NEGATIVE)
 
 
 @dataclass(frozen=True)
 class Camera:
     """A picture's point of view: on a sphere about the point it looks at."""
 
-    look_at: Vector  # [m] world
-    distance: float  # [m]
-    azimuth: float  # [deg] about z; 0 looks along +x
-    elevation: float  # [deg] negative looks down
-    field_of_view: float  # [deg] vertical
+    look_at: Vector = declared("point looked at, world", unit="m")
+    distance: float = declared("from it", unit="m", domain=Range(minimum=0.01))
+    azimuth: float = declared("about z; 0 looks along +x", unit="deg")
+    elevation: float = declared("negative looks down", unit="deg")
+    field_of_view: float = declared("vertical", 35.0, unit="deg", domain=Range(minimum=1.0))
 
 
 @dataclass(frozen=True)
 class Sighting:
     """Where an obstacle is from one time on."""
 
-    time: float  # [s] simulated
-    position: Vector | None  # [m] world, the point closest to the robot; None = not seen
+    time: float = declared("simulated", unit="s", domain=NOT_NEGATIVE)
+    position: Vector | None = declared(
+        "world, the point closest to the robot; left out = not seen", None, unit="m"
+    )
 
 
 @dataclass(frozen=True)
 class Obstacle:
     """Something that comes near one frame of the robot, in jumps."""
 
-    id: str
-    protected_frame: str
-    safe_distance: float  # [m] to be kept
-    normal: Vector | None  # unit, to the frame: a plane through the positions; None = a point
-    track: tuple[Sighting, ...]  # increasing times; not seen before the first one
+    id: str = declared("name of the obstacle")
+    protected_frame: str = declared("frame of the URDF", names="frame")
+    safe_distance: float = declared("to be kept", unit="m", domain=NOT_NEGATIVE)
+    normal: Vector | None = declared(
+        "unit, to the frame: a plane through the positions; left out = a point",
+        unit="-",
+        fallback=None,
+    )
+    track: tuple[Sighting, ...] = declared(
+        "increasing times; not seen before the first one", empty=False
+    )
+
+    def __post_init__(self) -> None:
+        """Normalize the normal; raise InvalidField for no unit vector and times that fall."""
+        if self.normal is not None:
+            length = math.hypot(*self.normal)
+            if abs(length - 1.0) > UNIT_TOLERANCE:
+                raise InvalidField("normal", f"length 1 expected, {length:g} given")
+            x, y, z = self.normal
+            object.__setattr__(self, "normal", (x / length, y / length, z / length))
+        for before, after in zip(self.track, self.track[1:], strict=False):
+            if after.time <= before.time:
+                raise InvalidField(
+                    "track",
+                    f"increasing times expected, {after.time:g} s given after {before.time:g} s",
+                )
+
+
+@dataclass(frozen=True)
+class SensorSettings:
+    """The sensor that sees the obstacles."""
+
+    period: float = declared(
+        "between two messages, a multiple of the control period",
+        0.1,
+        unit="s",
+        domain=Range(minimum=1e-3),
+    )
 
 
 @dataclass(frozen=True)
 class SceneDescription:
-    """One scene file, checked."""
+    """One scene file, checked; the last four fields come from the robot's."""
 
-    name: str
-    file: Path
-    robot_file: Path
-    urdf: Path
-    start: Mapping[str, float]  # joint -> [rad]
-    base: BaseStart | None  # None = the robot's base is fixed
-    torque_limit: Limit  # [Nm] of scene or robot.yaml; one number, by joint, None = the URDF's
-    velocity_limit: Limit  # [rad/s] likewise
-    gravity: Vector  # [m/s^2]
-    surfaces: tuple[Surface, ...]
-    contacts: tuple[Contact, ...]
-    camera: Camera
-    obstacles: tuple[Obstacle, ...] = ()
-    sensor_period: float | None = None  # [s] of the obstacle sensor; None = there is none
-    end_stops: bool = True  # joints stop at their position limits
+    robot: str = declared("name of a robot, or path; with a dot first, relative to this file")
+    start: Mapping[str, float] = declared(
+        "joint: position; joints left out start at 0", unit="rad"
+    )
+    camera: Camera = declared("point of view of pictures")
+    name: str = declared("name of the scene; empty = that of the file", "")
+    base: BaseStart | None = declared(
+        "where a floating base starts; given for a robot that has one, and for no other", None
+    )
+    torque_limit: Limit = declared(
+        "of the simulated motors: a number, or joint: number; left out = as in robot.yaml",
+        None,
+        unit="Nm",
+    )
+    gravity: Vector = declared("acceleration, world", (0.0, 0.0, -9.81), unit="m/s^2")
+    surfaces: tuple[Surface, ...] = declared("what does not move", ())
+    contacts: tuple[Contact, ...] = declared("where the robot may touch", ())
+    obstacles: tuple[Obstacle, ...] = declared("what comes near", ())
+    obstacle_sensor: SensorSettings | None = declared("needed with obstacles", None)
+    end_stops: bool = declared("joints stop at their position limits", True)
+    file: Path = Path()
+    robot_file: Path = Path()
+    urdf: Path = Path()
+    velocity_limit: Limit = None  # [rad/s] of robot.yaml; None = the URDF's
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for names given twice and obstacles that no sensor would see."""
+        lists: dict[str, list[Any]] = {
+            "surfaces": [surface.name for surface in self.surfaces],
+            "contacts": [contact.name for contact in self.contacts],
+            "obstacles": [obstacle.id for obstacle in self.obstacles],
+        }
+        for what, given in lists.items():
+            if len(set(given)) < len(given):
+                raise InvalidField(what, f"names must differ, {given} given")
+        if self.obstacles and self.obstacle_sensor is None:
+            raise InvalidField("obstacle_sensor", "missing: nothing sees the obstacles")
+
+    @property
+    def sensor_period(self) -> float | None:
+        """Period of the obstacle sensor [s]; None = there is none."""
+        return None if self.obstacle_sensor is None else self.obstacle_sensor.period

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.limits import overridden
 from ghc_controller.safety.braking import hold_torque
-from ghc_controller.types import Array, Dynamics, RobotState
+from ghc_controller.types import CONTROL_DT, Array, Dynamics, RobotState
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.scene.description import SceneDescription, load_scene
 from ghc_sim_bridge.simulation.base_start import base_pose
@@ -26,7 +26,7 @@ from ghc_sim_bridge.simulation.disturbances import Disturbances
 from ghc_sim_bridge.simulation.joint_map import JointMap
 from ghc_sim_bridge.simulation.mujoco_model import base_frame_of, build_model, joints_of
 from ghc_sim_bridge.simulation.standing_hold import standing_torque
-from ghc_sim_bridge.simulation.timing import count_substeps
+from ghc_sim_bridge.simulation.timing import PHYSICS_DT, count_substeps
 from ghc_sim_bridge.simulation.urdf_limits import read_limits
 
 LARGEST_SPEED = 1e3  # [rad/s] beyond it a state is diverged, not fast
@@ -45,8 +45,8 @@ class Simulator:
     def __init__(
         self,
         scene: str | Path | SceneDescription,
-        control_dt: float = 1e-3,
-        physics_dt: float = 1e-3,
+        control_dt: float = CONTROL_DT,
+        physics_dt: float = PHYSICS_DT,
         joint_names: Sequence[str] | None = None,
         disturbances: Disturbances | None = None,
     ) -> None:

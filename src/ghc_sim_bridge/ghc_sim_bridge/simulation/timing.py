@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from ghc_controller.errors import InvalidValue
 
+PHYSICS_DT = 1e-3  # [s] step of the integrator where nothing else is said, and the longest one
+
 RATIO_TOLERANCE = 1e-6  # relative; more than rounding of decimal fractions, less than any mistake
 
 

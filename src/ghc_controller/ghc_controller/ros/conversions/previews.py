@@ -13,12 +13,11 @@ from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
 from ghc_controller.report.report import ObstacleReport
 from ghc_controller.ros.time import nanoseconds_from_time
-from ghc_controller.types import NANOSECONDS, Array
+from ghc_controller.types import NANOSECONDS, UNIT_TOLERANCE, Array
 
 Status = TypeVar("Status", PlanStatus, MotionStatus)
 
 SHORTEST_STEP, LONGEST_STEP = 1e-6, 10.0  # [s] between two points of a plan
-UNIT_TOLERANCE = 1e-3  # [-] how far the length of a normal may be from 1
 
 
 def force_bounds_from_message(message: ContactForceBounds) -> ForceBoundsPlan:

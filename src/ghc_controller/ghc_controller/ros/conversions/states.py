@@ -9,9 +9,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.references.follower import UNIT_TOLERANCE
 from ghc_controller.ros.wire.cdr import BYTE_ORDER, numbers_behind_strings
-from ghc_controller.types import Array
+from ghc_controller.types import UNIT_TOLERANCE, Array
 
 _POSE, _TWIST = slice(0, 7), slice(43, 49)  # of an Odometry's numbers; covariances between
 

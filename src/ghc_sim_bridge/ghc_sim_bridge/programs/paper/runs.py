@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ghc_controller.errors import UnknownName
+from ghc_controller.robot.fields import LimitFields
 from ghc_sim_bridge.scenario.plan import RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
 
 _AT_ONCE = 0.005  # [s] the paper's fast transition
-_RATE_LIMIT = 1000.0  # [Nm/s] the default of controller and bridge
+_RATE_LIMIT = LimitFields().torque_rate  # [Nm/s] of a robot that says nothing else
 
 
 @dataclass(frozen=True, slots=True)

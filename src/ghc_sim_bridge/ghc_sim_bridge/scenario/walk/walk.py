@@ -13,11 +13,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ghc_controller.errors import InvalidField
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import NOT_NEGATIVE, Range
 from ghc_controller.types import Array
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint, Vector
 from ghc_sim_bridge.scenario.schedules import Event, ScriptedSchedule
 from ghc_sim_bridge.scenario.walk.zmp_preview import ZmpPreview
 
+SHORTEST_SWING = 0.05  # [s]
 PREVIEW_STEP = 0.01  # [s]
 PATH_SAMPLES = 2  # preview steps between two points of the reference: quintics in between
 SETTLED = 2.0  # [s] after the last step the centre of mass is at rest
@@ -27,27 +31,50 @@ SETTLED = 2.0  # [s] after the last step the centre of mass is at rest
 class Foot:
     """One foot: the task that swings it, the contact that it stands on, where it starts."""
 
-    task: str
-    contact: str
-    pose: Vector  # (7,) [m] and quaternion xyzw, in the world
+    task: str = declared("that swings it")
+    contact: str = declared("that it stands on")
+    pose: Vector = declared("where it starts, world: [m], then a quaternion x, y, z, w", size=7)
 
 
 @dataclass(frozen=True, slots=True)
 class Walk:
     """What a scenario says of a walk along the world's x axis, the ground being at z = 0."""
 
-    task: str  # of the centre of mass
-    center_of_mass: Vector  # (3,) [m] at the start and, carried along, at the end
-    feet: tuple[Foot, Foot]  # the first one swings first
-    start: float  # [s] beginning of the first step
-    steps: int  # the last one closes the feet
-    length: float  # [m] by which a foot lands ahead of the other one
-    height: float  # [m] of the swing foot
-    step_time: float  # [s]
-    double_support: float  # [s] of each step
-    settle: float  # [s] of the swing, at its end: the foot rests on the ground, not yet a contact
-    force_upper: float  # [N] of a foot that stands
-    force_unloaded: float  # [N] of the leaving foot before its break, of the other after its touch
+    task: str = declared("of the center of mass")
+    center_of_mass: Vector = declared(
+        "at the start and, carried along, at the end", unit="m", size=3
+    )
+    feet: tuple[Foot, Foot] = declared("the first one swings first")
+    start: float = declared("beginning of the first step", unit="s", domain=Range(minimum=0.1))
+    steps: int = declared("the last one closes the feet", unit="-", domain=Range(minimum=1.0))
+    length: float = declared("by which a foot lands ahead of the other one", unit="m")
+    height: float = declared("of the swing foot", unit="m", domain=NOT_NEGATIVE)
+    step_time: float = declared("of a step", unit="s", domain=Range(minimum=SHORTEST_SWING))
+    double_support: float = declared("of each step", unit="s", domain=Range(minimum=0.01))
+    settle: float = declared(
+        "of the swing, at its end: the foot rests on the ground, not yet a contact",
+        unit="s",
+        domain=NOT_NEGATIVE,
+        fallback=0.05,
+    )
+    force_upper: float = declared("of a foot that stands", unit="N", domain=NOT_NEGATIVE)
+    force_unloaded: float = declared(
+        "of the leaving foot before its break, of the other after its touch",
+        unit="N",
+        domain=NOT_NEGATIVE,
+    )
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField for a center of mass in the ground and steps without a swing."""
+        height = self.center_of_mass[2]
+        if height <= 0.0:
+            raise InvalidField("center_of_mass", f"a height above 0 expected, {height:g} given")
+        swing = self.step_time - self.double_support - self.settle
+        if swing < SHORTEST_SWING:
+            raise InvalidField(
+                "step_time",
+                f"{swing:g} s are left for the swing, at least {SHORTEST_SWING} expected",
+            )
 
 
 class Step(NamedTuple):

@@ -1,0 +1,79 @@
+"""Declared fields of robot.yaml; what a task or a contact has is declared beside each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ghc_controller.contacts.contact import ContactFields
+from ghc_controller.model.limits import Limit
+from ghc_controller.robot.urdf import UrdfFields
+from ghc_controller.schema.declared import declared
+from ghc_controller.schema.domains import Range
+from ghc_controller.schema.reader import Fields
+from ghc_controller.tasks.registry import task_entries
+from ghc_controller.tasks.task import TaskFields
+
+_NOT_ZERO = Range(minimum=1e-6)
+
+
+def _urdf_schema(schema: Any) -> dict[str, Any]:
+    return {"anyOf": [{"type": "string", "minLength": 1}, schema.record(UrdfFields)]}
+
+
+def _tasks_schema(schema: Any) -> dict[str, Any]:
+    """A list whose entries have the fields of their kind."""
+    entry = schema.one_of_kinds("kind", task_entries(), TaskFields)
+    return {"type": "array", "items": entry, "minItems": 1}
+
+
+def _settings_schema(schema: Any) -> dict[str, Any]:
+    """The settings know robots, so that robots cannot know them."""
+    found: dict[str, Any] = schema.parameters_of("settings")
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class LimitFields:
+    """The section `limits` of robot.yaml."""
+
+    velocity: Limit = declared(
+        "a number, or joint: number; left out = of the URDF", None, unit="rad/s"
+    )
+    torque: Limit = declared("a number, or joint: number; left out = of the URDF", None, unit="Nm")
+    torque_rate: float = declared(
+        "largest change of any torque", 1000.0, unit="Nm/s", domain=_NOT_ZERO
+    )
+    brake_acceleration: float = declared(
+        "what braking before a position limit may use; the torque limits must allow it",
+        5.0,
+        unit="rad/s^2",
+        domain=_NOT_ZERO,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotFields:
+    """Content of robot.yaml, before its URDF is read."""
+
+    name: str = declared("name of the robot")
+    urdf: Any = declared(
+        "path of the URDF, relative to this file; or package, file and changes",
+        read=Fields.value,
+        schema=_urdf_schema,
+    )
+    floating_base: bool = declared("six free coordinates before the joints", False)
+    limits: LimitFields = declared("override the URDF", LimitFields)
+    tasks: tuple[Fields, ...] = declared(
+        "in the order of rows and columns of alpha",
+        later=TaskFields,
+        schema=_tasks_schema,
+    )
+    hierarchy: str = declared("priorities at the start, such as 'hand > posture'")
+    contacts: tuple[Fields, ...] = declared("with a rigid environment", (), later=ContactFields)
+    settings: Fields | None = declared(
+        "of the controller on this robot, by the names of its parameters",
+        None,
+        later=dict,
+        schema=_settings_schema,
+    )

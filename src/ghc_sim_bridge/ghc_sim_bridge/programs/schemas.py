@@ -1,0 +1,89 @@
+"""JSON schemas of robot.yaml, scene and scenario files, written for editors.
+
+    python -m ghc_sim_bridge.programs.schemas [FOLDER]
+
+They come from the declarations that the readers use; kinds of tasks that other packages bring are
+in them where these are installed. A file names its schema in its first line:
+
+    # yaml-language-server: $schema=path/to/robot.schema.json
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ghc_controller.robot.fields import RobotFields
+from ghc_controller.schema.json_schema import JsonSchema, SchemaWriter
+from ghc_controller.settings import Settings
+from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
+from ghc_sim_bridge.scenario.scenario import CHECKED, Scenario
+from ghc_sim_bridge.scene.values import SceneDescription
+
+FOLDER = "schemas"
+NODES: Mapping[str, type] = {
+    **CHECKED,
+    "sim_bridge": BridgeParameters,
+    "recorder": RecorderParameters,
+    "viewer": ViewerParameters,
+    "settings": Settings,
+}
+
+
+def schemas() -> dict[str, JsonSchema]:
+    """File name -> schema."""
+    return {
+        "robot.schema.json": SchemaWriter(NODES).document(RobotFields, "robot.yaml"),
+        "scene.schema.json": SchemaWriter(NODES).document(SceneDescription, "A scene"),
+        "scenario.schema.json": SchemaWriter(NODES).document(
+            Scenario, "A scenario", _with_variants
+        ),
+    }
+
+
+def _with_variants(scenario: JsonSchema) -> JsonSchema:
+    """A variant replaces fields of the file, so that none is required where there are any."""
+    fields: dict[str, Any] = scenario["properties"]
+    variant = {
+        "type": "object",
+        "properties": {name: {"$ref": f"#/properties/{name}"} for name in fields},
+        "additionalProperties": False,
+    }
+    variants = {
+        "description": "name: fields that replace those above; the first is the default",
+        "type": "object",
+        "additionalProperties": {"$ref": "#/definitions/variant"},
+    }
+    del fields["phases"]["minItems"]  # may be empty above variants that give theirs
+    changed = {name: value for name, value in scenario.items() if name != "required"}
+    changed["properties"] = fields | {"variants": variants}
+    changed["anyOf"] = [{"required": scenario["required"]}, {"required": ["variants"]}]
+    return changed | {"definitions": {"variant": variant}}
+
+
+def write(folder: Path) -> tuple[Path, ...]:
+    """Write all schemas into a folder, which is made; returns their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name, schema in schemas().items():
+        path = folder / name
+        path.write_text(json.dumps(schema, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        paths.append(path)
+    return tuple(paths)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Write the schemas and print where they are."""
+    parser = argparse.ArgumentParser(description="JSON schemas of YAML files, for editors")
+    parser.add_argument("folder", nargs="?", default=FOLDER, type=Path)
+    for path in write(parser.parse_args(args).folder):
+        print(path)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
