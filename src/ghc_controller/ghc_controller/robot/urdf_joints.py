@@ -58,7 +58,7 @@ def _hold(joint: Element, kind: str, offset: float) -> None:
     direction = vector("1 0 0" if axis is None else axis.get("xyz", "1 0 0"))
     motion = np.eye(4)
     if kind == "prismatic":
-        motion[:3, 3] = offset * direction
+        motion[:3, 3] = offset * direction / np.linalg.norm(direction)
     else:
         motion[:3, :3] = turn_about(direction, offset)
     set_origin(joint, origin_of(joint) @ motion)
