@@ -22,6 +22,7 @@ setup(
         "console_scripts": [
             "controller = ghc_controller.ros.controller_node:main",
             "transition = ghc_controller.ros.transition:main",
+            "new_robot = ghc_controller.robot.first_files.new_robot:main",
         ]
     },
 )

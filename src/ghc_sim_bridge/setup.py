@@ -28,6 +28,7 @@ setup(
             "paper = ghc_sim_bridge.programs.paper.paper:main",
             "studies = ghc_sim_bridge.programs.studies.main:main",
             "picture = ghc_sim_bridge.programs.picture:main",
+            "check_robot = ghc_sim_bridge.programs.check_robot:main",
         ]
     },
 )

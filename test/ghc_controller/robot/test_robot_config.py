@@ -216,3 +216,14 @@ def test_limits_that_the_urdf_lacks_are_asked_for(tmp_path: Path) -> None:
         ConfigurationError, match=r"limits.torque: the URDF gives 0 for joint 'hip'"
     ):
         load_robot_config(tmp_path / "robot.yaml")
+
+
+def test_a_posture_in_degrees_is_refused(tmp_path: Path) -> None:
+    """Beyond a position limit: joint, value and limits are named."""
+    source = find_robot("kuka_lwr")
+    values = yaml.safe_load(source.read_text(encoding="utf-8"))
+    values["urdf"] = str(source.parent / values["urdf"])
+    values["tasks"][-1]["reference"] = 30.0
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(values), encoding="utf-8")
+    with pytest.raises(ConfigurationError, match="30 for joint 'joint_1' is beyond its limits"):
+        load_robot_config(tmp_path / "robot.yaml")

@@ -395,3 +395,11 @@ def test_a_contact_that_the_scenario_adds_may_have_a_schedule(tmp_path: Path) ->
     changes = {"contacts": [TOOL | {"name": "nose"}]}
     scenario = load_scenario(write(tmp_path, **SCHEDULED, robot_changes=changes))
     assert make_plan(scenario, RunOptions(), tmp_path).changes == changes
+
+
+def test_a_reference_of_a_task_that_the_robot_has_not_is_refused(tmp_path: Path) -> None:
+    file = write(tmp_path, references={"hnad": {"position": [0.4, 0.0, 0.5]}})
+    with pytest.raises(
+        UnknownName, match=r"task in a reference of scenario .*'hnad'; known: end_"
+    ):
+        make_plan(load_scenario(file), RunOptions(), tmp_path / "results")

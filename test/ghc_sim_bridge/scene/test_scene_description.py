@@ -174,3 +174,10 @@ def test_a_scene_may_have_motors_without_limits_and_joints_without_end_stops() -
     simulator.step(simulator.mass_matrix() @ wanted + simulator.bias())
     assert np.abs(simulator.acceleration - wanted).max() < 1e-7
     assert load_scene("kuka_lwr").end_stops
+
+
+def test_a_start_in_degrees_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        ConfigurationError, match=r"start\.joint_1: 20 is beyond the joint's limits"
+    ):
+        Simulator(scene_file(tmp_path, SCENE.replace("joint_1: 0.1", "joint_1: 20.0")))

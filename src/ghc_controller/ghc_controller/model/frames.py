@@ -43,7 +43,8 @@ class FrameTable:
         self._placement = stacked_view([data.oMi[i].rotation for i in joints], 12)
         self._velocity = stacked_view([data.v[i].vector for i in joints], 6)
         self._acceleration = stacked_view([data.a_gf[i].vector for i in joints], 6)
-        self._joint_jacobian = data.J
+        # A matrix of one column comes out of Pinocchio as a vector.
+        self._joint_jacobian = data.J.reshape((6, model.nv), order="F")
         self._gravity = np.array(model.gravity.linear)
         self._slots: dict[int, int] = {}
         self._parents = np.zeros(0, dtype=np.int64)

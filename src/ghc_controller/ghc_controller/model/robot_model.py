@@ -16,6 +16,7 @@ from ghc_controller.types import Array, Dynamics
 
 _FREE_FLYER_NV = 6  # velocity coordinates of a floating base: linear, angular in base axes
 _WORLD = pin.Convention.WORLD
+_LEAST_INERTIA = 1e-12  # [kg m^2] or [kg] on the diagonal of M
 
 
 class RobotModel:
@@ -67,8 +68,10 @@ class RobotModel:
         self._frames = FrameTable(model, self._data)
         self.joint_of, self.carries = _joint_order(model)
         # Views taken once: fetching them from pin.Data costs more than the copy below.
-        self._mass_matrix_view, self._bias_view = self._data.M, self._data.nle
-        self._momentum_view = self._data.Ag
+        square, columns = (self.nv, self.nv), (6, self.nv)  # of one joint they come as vectors
+        self._mass_matrix_view = self._data.M.reshape(square, order="F")
+        self._bias_view = self._data.nle
+        self._momentum_view = self._data.Ag.reshape(columns, order="F")
         self._gravity_vector = np.array(model.gravity.linear)
         self.weight = self.mass * float(np.linalg.norm(self._gravity_vector))  # [N]
         self._gravity: Array | None = None
@@ -77,6 +80,13 @@ class RobotModel:
         self._com_views = (self._data.com[0], self._data.vcom[0], self._data.acom[0])
         self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
         self.dynamics = self._free_dynamics = self.update(self.q, self.v)
+        moved = np.diag(self.dynamics.mass_matrix)[self.nv - self.na :]
+        for name, inertia in zip(self.joint_names, moved, strict=True):
+            if not inertia > _LEAST_INERTIA:
+                raise ConfigurationError(
+                    f"joint '{name}' moves no mass: its links need an <inertial> with mass and "
+                    "inertia"
+                )
 
     @classmethod
     def from_urdf(
@@ -201,7 +211,7 @@ class RobotModel:
 
     def angular_axes(self) -> Array:
         """(3, n) angular velocity in world axes per velocity coordinate; 0 for translations."""
-        return np.ascontiguousarray(self._data.J[3:])
+        return np.ascontiguousarray(self._data.J.reshape((6, self.nv), order="F")[3:])
 
     def center_of_mass(self) -> Array:
         """Centre of mass in the world, (3,) [m]."""

@@ -1,5 +1,8 @@
 """A URDF with another root, with joints that are locked, and with frames of one's own.
 
+What the controller does not know is made simpler on the way, with a warning: mimic joints are
+held, continuous joints get limits, xacro is expanded.
+
 A legged robot that stands on one foot is an arm whose base is that foot. The changed URDF is
 written to the user's cache, once for each content, so that controller and simulator read one file.
 """
@@ -7,6 +10,7 @@ written to the user's cache, once for each content, so that controller and simul
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -17,10 +21,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.robot.urdf_frames import inverse, numbers, origin_of, set_origin, vector
+from ghc_controller.robot.urdf_joints import lock, simplify_joints
+from ghc_controller.robot.urdf_text import is_xacro, urdf_text
 from ghc_controller.types import Array
 
-_FORMAT = "1"  # of what is written: a new number makes old files of the cache unused
-_LEVEL = 1e-9  # [-] cosine of the pitch below which roll and yaw are one angle
+_LOG = logging.getLogger(__name__)
+_FORMAT = "2"  # of what is written: a new number makes old files of the cache unused
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,30 +47,47 @@ class UrdfChanges:
 
         Raises:
             UnknownName: a link or joint that the URDF has not.
-            ConfigurationError: no URDF, or the changed one cannot be written.
+            ConfigurationError: no URDF, one that cannot be expanded, or the changed one cannot be
+                written.
         """
-        if not (self.root or self.locked or self.frames):
-            return urdf
+        own = self.root or self.locked or self.frames
+        if not urdf.is_file() and not own:
+            return urdf  # to be missed by whoever opens it
+        text = urdf_text(urdf)
         try:
-            text = urdf.read_bytes()
             robot = ElementTree.fromstring(text)
-        except (OSError, ElementTree.ParseError) as error:
+        except ElementTree.ParseError as error:
+            if not own:
+                return urdf  # whoever reads it says so
             raise ConfigurationError(f"{urdf}: cannot be read as XML: {error}") from error
+        if robot.tag == "mujoco":
+            raise ConfigurationError(
+                f"{urdf}: an MJCF of MuJoCo given, a URDF expected: both engines read one file, "
+                "and Pinocchio's dynamics come from URDF"
+            )
+        if own:
+            self._change(robot, urdf)
+        simpler = simplify_joints(robot)
+        if str(simpler):
+            _LOG.warning("%s: %s", urdf.name, simpler)
+        elif not (own or is_xacro(urdf)):
+            return urdf
         frames = {name: (link, at.tolist()) for name, (link, at) in self.frames.items()}
         key = repr((_FORMAT, str(urdf), self.root, self.locked, frames)).encode()
         target = _cache() / f"{urdf.stem}_{hashlib.sha256(key + text).hexdigest()[:16]}.urdf"
         if not target.is_file():
-            self._change(robot, urdf, resource)
+            for mesh in robot.iter("mesh"):
+                mesh.set("filename", str(resource(mesh.get("filename", ""), urdf)))
             _write(target, ElementTree.tostring(robot, encoding="unicode"))
         return target
 
-    def _change(self, robot: Element, urdf: Path, resource: Callable[[str, Path], Path]) -> None:
+    def _change(self, robot: Element, urdf: Path) -> None:
         joints = {joint.get("name", ""): joint for joint in robot.iterfind("joint")}
         links = {link.get("name", ""): link for link in robot.iterfind("link")}
         for name in self.locked:
             if name not in joints:
                 raise UnknownName(f"joint of {urdf}", name, joints)
-            _lock(joints[name])
+            lock(joints[name])
         for name, (link, position) in self.frames.items():
             if link not in links:
                 raise UnknownName(f"link of {urdf}", link, links)
@@ -72,8 +96,6 @@ class UrdfChanges:
             if self.root not in links:
                 raise UnknownName(f"link of {urdf}", self.root, links)
             _reroot(robot, self.root)
-        for mesh in robot.iter("mesh"):
-            mesh.set("filename", str(resource(mesh.get("filename", ""), urdf)))
 
 
 def _cache() -> Path:
@@ -91,13 +113,6 @@ def _write(target: Path, text: str) -> None:
         raise ConfigurationError(f"{target}: cannot be written: {error.strerror}") from error
 
 
-def _lock(joint: Element) -> None:
-    joint.set("type", "fixed")
-    for child in list(joint):
-        if child.tag not in ("origin", "parent", "child"):
-            joint.remove(child)
-
-
 def _add_frame(robot: Element, name: str, link: str, position: Array) -> None:
     ElementTree.SubElement(robot, "link", {"name": name})
     joint = ElementTree.SubElement(robot, "joint", {"name": f"{name}_fixed", "type": "fixed"})
@@ -105,7 +120,7 @@ def _add_frame(robot: Element, name: str, link: str, position: Array) -> None:
     ElementTree.SubElement(joint, "child", {"link": name})
     place = np.eye(4)
     place[:3, 3] = position
-    _set_origin(joint, place)
+    set_origin(joint, place)
 
 
 def _reroot(robot: Element, root: str) -> None:
@@ -121,81 +136,28 @@ def _reroot(robot: Element, root: str) -> None:
     while (child := next(reversed(moved))) in above:
         joint = above[child]
         turned.append((joint, child))
-        moved[_link(joint, "parent")] = _origin(joint)
+        moved[_link(joint, "parent")] = origin_of(joint)
     ways = {id(joint) for joint, _ in turned}
     for joint in robot.iterfind("joint"):
         parent = _link(joint, "parent")
         if id(joint) not in ways and parent in moved:
-            _set_origin(joint, _inverse(moved[parent]) @ _origin(joint))
+            set_origin(joint, inverse(moved[parent]) @ origin_of(joint))
     for link in robot.iterfind("link"):
         if link.get("name", "") in moved:
-            back = _inverse(moved[link.get("name", "")])
+            back = inverse(moved[link.get("name", "")])
             for part in link:
                 if part.tag in ("inertial", "visual", "collision"):
-                    _set_origin(part, back @ _origin(part))
+                    set_origin(part, back @ origin_of(part))
     for joint, child in turned:
         parent = _link(joint, "parent")
-        _set_origin(joint, _inverse(moved[child]))
+        set_origin(joint, inverse(moved[child]))
         joint.find("parent").set("link", child)  # type: ignore[union-attr]
         joint.find("child").set("link", parent)  # type: ignore[union-attr]
         axis = joint.find("axis")
         if axis is not None:
-            axis.set("xyz", _numbers(-_vector(axis.get("xyz", "1 0 0"))))
+            axis.set("xyz", numbers(-vector(axis.get("xyz", "1 0 0"))))
 
 
 def _link(joint: Element, end: str) -> str:
     element = joint.find(end)
     return "" if element is None else element.get("link", "")
-
-
-def _origin(element: Element) -> Array:
-    """(4, 4) of the `origin` of a joint or of a part of a link."""
-    place = np.eye(4)
-    origin = element.find("origin")
-    if origin is not None:
-        roll, pitch, yaw = _vector(origin.get("rpy", "0 0 0"))
-        place[:3, :3] = _turn(2, yaw) @ _turn(1, pitch) @ _turn(0, roll)
-        place[:3, 3] = _vector(origin.get("xyz", "0 0 0"))
-    return place
-
-
-def _set_origin(element: Element, place: Array) -> None:
-    origin = element.find("origin")
-    if origin is None:
-        origin = ElementTree.Element("origin")
-        element.insert(0, origin)
-    origin.set("xyz", _numbers(place[:3, 3]))
-    origin.set("rpy", _numbers(_roll_pitch_yaw(place[:3, :3])))
-
-
-def _inverse(place: Array) -> Array:
-    inverse = np.eye(4)
-    inverse[:3, :3] = place[:3, :3].T
-    inverse[:3, 3] = -place[:3, :3].T @ place[:3, 3]
-    return inverse
-
-
-def _turn(axis: int, angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    a, b = (axis + 1) % 3, (axis + 2) % 3
-    turn = np.eye(3)
-    turn[a, a] = turn[b, b] = c
-    turn[b, a], turn[a, b] = s, -s
-    return turn
-
-
-def _roll_pitch_yaw(turn: Array) -> Array:
-    level = float(np.hypot(turn[0, 0], turn[1, 0]))
-    pitch = np.arctan2(-turn[2, 0], level)
-    if level < _LEVEL:
-        return np.array([0.0, pitch, np.arctan2(-turn[0, 1], turn[1, 1])])
-    roll, yaw = np.arctan2(turn[2, 1], turn[2, 2]), np.arctan2(turn[1, 0], turn[0, 0])
-    return np.array([roll, pitch, yaw])
-
-
-def _vector(text: str) -> Array:
-    return np.array([float(part) for part in text.split()])
-
-
-def _numbers(values: Array) -> str:
-    return " ".join(f"{value:.17g}" for value in values)

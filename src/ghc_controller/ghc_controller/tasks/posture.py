@@ -96,6 +96,8 @@ class PostureTask(Task):
             position = np.array([reference[joint] for joint in joints])
         elif reference is not None:
             position = np.full(len(joints), reference)
+        if position is not None:
+            _check_range(fields, model, joints, position)
         stiffness, damping = np.array(given.stiffness), np.array(given.damping)
         return cls(given.name, model, stiffness, damping, joints, position)
 
@@ -136,3 +138,18 @@ class PostureTask(Task):
                 f"task '{self.name}', joints: {list(joints)} given, {list(self.labels)} expected"
             )
         return np.asarray(values)[..., [list(joints).index(joint) for joint in self.labels]]
+
+
+def _check_range(
+    fields: Fields, model: RobotModel, joints: tuple[str, ...], position: Array
+) -> None:
+    """Raise ConfigurationError for a reference beyond a position limit, as of degrees."""
+    for joint, value in zip(joints, position, strict=True):
+        k = model.joint_index(joint)
+        lower, upper = model.position_lower[k], model.position_upper[k]
+        if not lower <= value <= upper:
+            raise fields.error(
+                "reference",
+                f"{value:g} for joint '{joint}' is beyond its limits, {lower:g} to {upper:g}; "
+                "radians (or meters) expected",
+            )

@@ -22,7 +22,7 @@ from ghc_sim_bridge.scenario.plan import (
     RunOptions,
     RunPlan,
 )
-from ghc_sim_bridge.scenario.robot_changes import contact_names
+from ghc_sim_bridge.scenario.robot_changes import names_of
 from ghc_sim_bridge.scenario.scenario import NODES, Phase, Scenario
 
 
@@ -85,7 +85,7 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
         changes=scenario.robot_changes,
     )
     plan = replace(plan, parameters=node_parameters(plan))
-    _check_contacts(plan)
+    _check_names(plan)
     return plan
 
 
@@ -101,20 +101,26 @@ def _with_keyframes(scenario: Scenario) -> Scenario:
     return replace(scenario, references=scenario.references + found, keyframes=None)
 
 
-def _check_contacts(plan: RunPlan) -> None:
-    """Refuse schedules of contacts that the robot, as changed for this run, has not.
+def _check_names(plan: RunPlan) -> None:
+    """Refuse schedules of contacts, and references of tasks, that the robot of this run has not.
 
     Raises UnknownName, or ConfigurationError for a robot's file that cannot be read.
     """
-    scheduled = [schedule.contact for schedule in plan.scenario.contact_schedules]
-    if not scheduled:
+    scenario = plan.scenario
+    scheduled = [schedule.contact for schedule in scenario.contact_schedules]
+    moved = [reference.task for reference in scenario.references]
+    if not (scheduled or moved):
         return
     robot = find_robot(str(plan.parameters["controller"]["robot"]))
-    known = contact_names(robot, plan.changes)
-    for contact in scheduled:
-        if contact not in known:
-            kind = f"contact in a schedule of scenario '{plan.scenario.name}'"
-            raise UnknownName(kind, contact, known)
+    contacts = names_of("contacts", robot, plan.changes)
+    tasks = names_of("tasks", robot, plan.changes)
+    for what, names, known in (
+        ("contact in a schedule", scheduled, contacts),
+        ("task in a reference", moved, tasks + contacts),  # a contact may have a force task
+    ):
+        for name in names:
+            if name not in known:
+                raise UnknownName(f"{what} of scenario '{scenario.name}'", name, known)
 
 
 def _torque_rate(scenario: Scenario, options: RunOptions, formulation: str) -> float:

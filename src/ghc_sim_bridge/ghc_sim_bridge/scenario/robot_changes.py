@@ -26,13 +26,13 @@ def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) 
     return target
 
 
-def contact_names(source: Path, changes: Mapping[str, Any]) -> tuple[str, ...]:
-    """Names of the contacts that the robot of `source` has with `changes`.
+def names_of(kind: str, source: Path, changes: Mapping[str, Any]) -> tuple[str, ...]:
+    """Names of the tasks or contacts (`kind`) that the robot of `source` has with `changes`.
 
     Raises as `write_changed_robot` does, but for the URDF, which is not looked for.
     """
     fields = Fields(_changed(source, changes), source)
-    return tuple(entry.text("name") for entry in fields.sections("contacts", optional=True))
+    return tuple(entry.text("name") for entry in fields.sections(kind, optional=True))
 
 
 def _changed(source: Path, changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
+from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.limits import overridden
 from ghc_controller.safety.braking import hold_torque
 from ghc_controller.types import CONTROL_DT, Array, Dynamics, RobotState
@@ -32,6 +32,8 @@ from ghc_sim_bridge.simulation.urdf_limits import read_limits
 LARGEST_SPEED = 1e3  # [rad/s] beyond it a state is diverged, not fast
 LARGEST_TORQUE = 1e6  # [Nm] beyond it a torque is a mistake, not a command
 _BASE_AT_ORIGIN = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])  # position, quaternion xyzw
+
+_BEYOND = 0.1  # [rad] or [m] beyond a limit that a start may be, as a seated robot is
 
 
 class Simulator:
@@ -108,6 +110,7 @@ class Simulator:
         if unknown:
             raise UnknownName(f"joint in 'start' of {scene.file}", unknown[0], self.joint_names)
         joints = np.array([scene.start.get(name, 0.0) for name in self.joint_names])
+        self._check_start(joints)
         if scene.base is None:
             return joints
         self.data.qpos[:] = self._coordinates.configuration_to_simulator(
@@ -119,6 +122,19 @@ class Simulator:
             for name in scene.base.stand_on
         }
         return np.concatenate([base_pose(scene.base, places), joints])
+
+    def _check_start(self, joints: Array) -> None:
+        """Raise ConfigurationError for a start far beyond a position limit, as of degrees."""
+        scene = self.scene
+        for name, value, limits in zip(
+            self.joint_names, joints, self.position_limits, strict=True
+        ):
+            lower, upper = limits
+            if name in scene.start and not lower - _BEYOND <= value <= upper + _BEYOND:
+                raise ConfigurationError(
+                    f"{scene.file}: start.{name}: {value:g} is beyond the joint's limits, "
+                    f"{lower:g} to {upper:g}; radians (or meters) expected"
+                )
 
     def reset(self, q: ArrayLike | None = None, v: ArrayLike | None = None) -> None:
         """Back to t = 0 at q (nq,) (the scene's start) and velocity v (nv,) (zero).

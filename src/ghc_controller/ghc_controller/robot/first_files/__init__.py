@@ -1,0 +1,1 @@
+"""First robot.yaml, scene and scenario of a robot that only has a URDF."""

@@ -1,0 +1,79 @@
+"""`ros2 run ghc_controller new_robot model.urdf`: first files of a robot with a fixed base."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ghc_controller.errors import ConfigurationError, GhcError
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.first_files.choices import Choices, choose
+from ghc_controller.robot.first_files.texts import SWAP, robot_text, scenario_text, scene_text
+from ghc_controller.robot.urdf import find_urdf
+
+_NEAR = 2  # [-] folders up to which a path relative to robot.yaml is written
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """0 = the files were written, 1 = they were not (said in one line)."""
+    parser = argparse.ArgumentParser(prog="new_robot", description=__doc__.splitlines()[0])
+    parser.add_argument("urdf", type=Path, help="URDF or xacro of an arm with a fixed base")
+    parser.add_argument("--folder", type=Path, help="for the files; left out = ./<name>")
+    parser.add_argument("--name", help="of the robot; left out = that of the URDF's file")
+    options = parser.parse_args(arguments)
+    name = options.name or options.urdf.name.partition(".")[0]
+    folder = options.folder or Path(name)
+    try:
+        chosen = write_first_files(options.urdf, folder, name)
+    except GhcError as error:
+        print(f"new_robot: {error}", file=sys.stderr)
+        return 1
+    print(
+        f"{folder}: robot.yaml, scene.yaml, {SWAP}.yaml\n"
+        f"tasks: end_effector = {chosen.end_effector}, elbow = {chosen.elbow}, posture\n"
+        f"next:  ros2 run ghc_sim_bridge experiment --scenario {folder / SWAP}.yaml"
+    )
+    for limit, joints in (
+        ("torque", chosen.without_torque),
+        ("velocity", chosen.without_velocity),
+    ):
+        if joints:
+            print(
+                f"check: the URDF has no {limit} limit of {', '.join(joints)}; a small one is set"
+            )
+    return 0
+
+
+def write_first_files(urdf: Path, folder: Path, name: str) -> Choices:
+    """Write robot.yaml, scene.yaml and swap.yaml; what was chosen.
+
+    Raises:
+        ConfigurationError: no readable URDF, a robot that needs files of its own, or a folder
+            that holds such files already.
+    """
+    if not urdf.is_file():
+        raise ConfigurationError(f"{urdf}: robot model does not exist")
+    files = {file: folder / file for file in ("robot.yaml", "scene.yaml", f"{SWAP}.yaml")}
+    taken = [str(path) for path in files.values() if path.exists()]
+    if taken:
+        raise ConfigurationError(f"{taken[0]} exists already; give another --folder")
+    model = RobotModel.from_urdf(find_urdf(str(urdf.resolve()), folder / "robot.yaml"))
+    chosen = choose(model)
+    place = os.path.relpath(urdf.resolve(), folder.resolve())
+    if place.count("..") > _NEAR:
+        place = str(urdf.resolve())
+    texts = (
+        robot_text(name, place, model, chosen),
+        scene_text(name, model, chosen),
+        scenario_text(name, chosen),
+    )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, text in zip(files.values(), texts, strict=True):
+            path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ConfigurationError(f"{folder}: cannot be written: {error.strerror}") from error
+    return chosen

@@ -1,0 +1,102 @@
+"""Texts of the first files of a robot: robot.yaml, scene, scenario; with comments to edit by."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.first_files.choices import FIRST_TORQUE, FIRST_VELOCITY, Choices
+from ghc_controller.types import Array
+
+SWAP = "swap"  # name of the scenario's file
+
+
+def robot_text(name: str, urdf: str, model: RobotModel, chosen: Choices) -> str:
+    """robot.yaml: limits that the URDF lacks, three tasks, an order."""
+    return f"""\
+# A first robot.yaml: change names of frames, gains and limits to your needs (docs/own_robot.md).
+name: {name}
+urdf: {urdf}
+{_limits(chosen)}tasks:                         # stiffness [1/s^2], damping [1/s]
+  - name: end_effector
+    kind: frame_position
+    frame: {chosen.end_effector}
+    stiffness: 30.0
+    damping: 20.0
+  - name: elbow
+    kind: frame_position
+    frame: {chosen.elbow}
+    stiffness: 30.0
+    damping: 20.0
+  - name: posture
+    kind: posture
+    stiffness: 30.0
+    damping: 20.0
+    reference:                 # [rad] or [m]
+{_by_joint(model.joint_names, chosen.start, 6)}
+hierarchy: end_effector > elbow > posture
+"""
+
+
+def scene_text(name: str, model: RobotModel, chosen: Choices) -> str:
+    """The simulator's side: start posture and camera, in empty space."""
+    return f"""\
+# The robot in empty space; surfaces, contacts and obstacles go here (docs/own_robot.md).
+name: {name}
+robot: ./robot.yaml
+
+start:                         # [rad] or [m]
+{_by_joint(model.joint_names, chosen.start, 2)}
+
+camera:
+  look_at: [0.0, 0.0, {0.5 * chosen.reach:.2f}]   # [m]
+  distance: {2.5 * chosen.reach:.2f}              # [m]
+  azimuth: 130.0               # [deg]
+  elevation: -15.0             # [deg]
+"""
+
+
+def scenario_text(name: str, chosen: Choices) -> str:
+    """Two tasks change places; their targets are where both frames are in one other posture."""
+    first, second = (", ".join(f"{value:.4f}" for value in target) for target in chosen.targets)
+    return f"""\
+# Two tasks change places, and back: `make run SCENARIO=.../{SWAP}.yaml`.
+name: {name}_{SWAP}
+title: End effector and elbow change places
+robot: ./robot.yaml
+scene: ./scene.yaml
+control_dt: 0.001        # [s]
+transition: 2.0          # [s] each ramp
+hold: 6.0                # [s] after each ramp
+torque_rate_limit: 1000.0   # [Nm/s]
+
+references:
+  end_effector: {{position: [{first}]}}   # [m]
+  elbow: {{position: [{second}]}}   # [m]
+
+phases:
+  - hierarchy: end_effector > elbow > posture
+  - hierarchy: elbow > end_effector > posture
+  - hierarchy: end_effector > elbow > posture
+"""
+
+
+def _by_joint(names: Sequence[str], values: Array, indent: int) -> str:
+    pad = " " * indent
+    return "\n".join(
+        f"{pad}{name}: {value:.3f}" for name, value in zip(names, values, strict=True)
+    )
+
+
+def _limits(chosen: Choices) -> str:
+    missing: Mapping[str, tuple[Sequence[str], float, str]] = {
+        "torque": (chosen.without_torque, FIRST_TORQUE, "[Nm] or [N]"),
+        "velocity": (chosen.without_velocity, FIRST_VELOCITY, "[rad/s] or [m/s]"),
+    }
+    lines = [
+        f"  {field}: {{{', '.join(f'{name}: {value:g}' for name in names)}}}  # {unit} CHECK: the"
+        " URDF has none"
+        for field, (names, value, unit) in missing.items()
+        if names
+    ]
+    return "\n".join(["limits:", *lines]) + "\n" if lines else ""
