@@ -36,3 +36,7 @@ class InvalidValue(GhcError):
 
 class ConfigurationError(GhcError):
     """A file or parameter that cannot be used; names the file and the field."""
+
+
+class PluginError(ConfigurationError):
+    """Something that another package brings and that cannot be used; names package and entry."""

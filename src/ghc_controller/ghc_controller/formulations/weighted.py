@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ghc_controller.formulations.formulation import Formulation
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import weighted_terms
 from ghc_controller.formulations.weight_kernels import priority_weights, weighted_system
 from ghc_controller.numerics.small_factors import inverse_factor
@@ -15,6 +16,7 @@ from ghc_controller.problem.solution import Solution
 _LARGEST_WEIGHT = 1e6  # [-] of a task; ratio^s would be 1e18 for ten tasks
 
 
+@register_formulation
 class Weighted(Formulation):
     """Eq. 12 of the GHC paper with omega_i = (1 - alpha_ii) ratio^(s_i).
 

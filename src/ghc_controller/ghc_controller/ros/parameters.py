@@ -31,7 +31,7 @@ class ControllerParameters:
     """Parameters of controller."""
 
     robot: str = parameter("", "name of a robot, or path of its robot.yaml", given)
-    formulation: str = parameter(DEFAULT_FORMULATION, ", ".join(FORMULATIONS))
+    formulation: str = parameter(DEFAULT_FORMULATION, ", ".join(sorted(FORMULATIONS.built_in)))
     qp_solver: str = parameter("daqp", "daqp or proxqp")
     control_dt: float = parameter(0.001, "[s] control period", positive)
     hierarchy: str = parameter("", "hierarchy at the start; empty = of the robot's file")
@@ -90,6 +90,9 @@ class ControllerParameters:
     )
     position_limits: bool = parameter(True, "keep joint positions in their range")
     velocity_limits: bool = parameter(True, "keep joint velocities below their limit")
+    constraints: tuple[str, ...] = parameter(
+        (), "further constraints by name, such as those of plug-ins"
+    )
     lockstep: bool = parameter(
         False, "refuse references and transitions whose start has passed, for repeatable runs"
     )
@@ -130,6 +133,7 @@ class ControllerParameters:
             torque_rate_limit=self.torque_rate_limit,
             position_limits=self.position_limits,
             velocity_limits=self.velocity_limits,
+            constraints=self.constraints,
             optimization=FormulationSettings(
                 regularization=self.regularization,
                 velocity_damping=self.velocity_damping,

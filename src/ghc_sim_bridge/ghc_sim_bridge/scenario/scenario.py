@@ -15,11 +15,12 @@ from typing import Any
 
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
+from ghc_controller.registry import Files, Registry, plugged_file
 from ghc_controller.schema.reader import Fields, read_yaml
+from ghc_mpc_constraints.generators import GENERATORS
 from ghc_sim_bridge.scenario.keyframes import Keyframes, read_keyframes
 from ghc_sim_bridge.scenario.references import Reference, read_reference
 from ghc_sim_bridge.scenario.schedules import (
-    GENERATORS,
     Event,
     ScriptedSchedule,
     read_events,
@@ -29,7 +30,13 @@ from ghc_sim_bridge.scenario.schedules import (
 from ghc_sim_bridge.scenario.walk.fields import read_walk
 from ghc_sim_bridge.scenario.walk.walk import walk_events, walk_references, walk_schedules
 
-NODES = ("sim_bridge", "controller", "recorder", "viewer", *GENERATORS)
+NODES = ("sim_bridge", "controller", "recorder", "viewer")  # and the generators
+
+SCENARIOS: Registry[Files] = Registry("scenario", "ghc_sim_bridge.scenarios")
+for _file in sorted(
+    (Path(str(resources.files("ghc_sim_bridge"))) / "scenario" / "data").glob("*.yaml")
+):
+    SCENARIOS.register(_file.stem)(_file)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,22 +91,18 @@ class Scenario:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """Names of the scenarios of this package, sorted."""
-    folder = resources.files("ghc_sim_bridge") / "scenario" / "data"
-    files = [Path(entry.name) for entry in folder.iterdir()]
-    return tuple(sorted(file.stem for file in files if file.suffix == ".yaml"))
+    """Names of the scenarios of this and other packages, sorted."""
+    return tuple(SCENARIOS)
 
 
 def find_scenario(name: str) -> Path:
     """File of a scenario, by its name or by a path that ends in .yaml.
 
-    Raises UnknownName with the existing names.
+    Raises UnknownName with the existing names, or PluginError.
     """
     if name.endswith(".yaml") and Path(name).is_file():
         return Path(name)
-    if name not in scenario_names():
-        raise UnknownName("scenario", name, scenario_names())
-    return Path(str(resources.files("ghc_sim_bridge") / "scenario" / "data" / f"{name}.yaml"))
+    return plugged_file(SCENARIOS[name], f"{name}.yaml")
 
 
 def load_scenario(name: str, variant: str = "") -> Scenario:
@@ -128,8 +131,9 @@ def _read_scenario(
     phases = tuple(_read_phase(item, hold) for item in fields.sections("phases"))
     parameters = fields.section("parameters", optional=True)
     for node in parameters.given():
-        if node not in NODES:
-            raise parameters.error(node, f"unknown node; known: {', '.join(NODES)}")
+        if node not in NODES and node not in GENERATORS:
+            known = ", ".join((*NODES, *GENERATORS))
+            raise parameters.error(node, f"unknown node; known: {known}")
     generators = read_generators(fields.section("generators", optional=True))
     schedules = tuple(
         read_schedule(item) for item in fields.sections("contact_schedules", optional=True)
@@ -140,7 +144,7 @@ def _read_scenario(
         references = (*references, *walk_references(walk))
         schedules = (*schedules, *walk_schedules(walk))
         events = tuple(sorted((*events, *walk_events(walk)), key=lambda event: event.time))
-    if schedules and "contact_force_bounds" not in generators:
+    if schedules and not any(GENERATORS[name].reads_schedules for name in generators):
         raise fields.error(
             "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
         )

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ghc_controller.schema.reader import Fields
-
-# Node -> what the controller waits for (its parameter wait_for_bounds).
-GENERATORS: Mapping[str, str] = {
-    "contact_force_bounds": "contact_force_bounds",
-    "obstacle_bounds": "obstacle_motion",
-}
+from ghc_mpc_constraints.generators import GENERATORS
 
 
 @dataclass(frozen=True, slots=True)
