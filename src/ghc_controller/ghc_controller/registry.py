@@ -102,7 +102,7 @@ class Registry(Collection[str], Generic[T]):
         if not found:
             raise UnknownName(self.kind, name, self)
         if len(found) > 1:
-            sources = " and by ".join(map(_origin, found))
+            sources = " and by ".join(sorted(map(_origin, found)))
             raise PluginError(f"{self.kind} '{name}' is brought twice: by {sources}")
         return self._load(found[0])
 
@@ -201,13 +201,17 @@ def plugged_file(files: object, default: str) -> Path:
         PluginError: there is no such file, or it is given in another form.
     """
     found = made(files)
-    folders = getattr(found, "__path__", ()) if isinstance(found, ModuleType) else (found,)
-    paths = [Path(folder).expanduser() for folder in folders if isinstance(folder, str | Path)]
-    if not paths:
+    if isinstance(found, ModuleType):
+        candidates = [Path(folder) / default for folder in getattr(found, "__path__", ())]
+    elif isinstance(found, str | Path):
+        path = Path(found).expanduser()
+        candidates = [path / default if path.is_dir() else path]
+    else:
+        candidates = []
+    if not candidates:
         raise PluginError(
             f"{found!r} given: a package, a path or a function that returns a path expected"
         )
-    candidates = [path / default if path.is_dir() else path for path in paths]
     for file in candidates:
         if file.is_file():
             return file
