@@ -17,7 +17,7 @@ from benchmarks.pace import Pace, TakenByHost
 from ghc_controller.errors import GhcError
 from ghc_controller.formulations import DEFAULT_FORMULATION
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
-from ghc_sim_bridge.ros.experiment_nodes import EXECUTABLES
+from ghc_sim_bridge.ros.experiment_nodes import executable_of
 from ghc_sim_bridge.run.cpu_placement import lockstep_placement
 from ghc_sim_bridge.run.domain import DomainLock
 from ghc_sim_bridge.run.processes import NodeProcesses
@@ -116,7 +116,7 @@ def _cycle_times(folder: Path, case: LoopCase, duration: float) -> tuple[float, 
             for name in sorted(parameters, key=lambda name: name == _BRIDGE):
                 if name == _BRIDGE:
                     wait_until_received(nodes.check)
-                nodes.start(name, *EXECUTABLES[name], _arguments(parameters[name]))
+                nodes.start(name, *executable_of(name), _arguments(parameters[name]))
             _wait_for(log, nodes)
             taken = host.share()
     finally:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ghc_controller.formulations import FORMULATIONS as FORMULATIONS
     from ghc_controller.formulations import Formulation as Formulation
     from ghc_controller.formulations import FormulationSettings as FormulationSettings
+    from ghc_controller.formulations import register_formulation as register_formulation
     from ghc_controller.hierarchy import PriorityMatrix as PriorityMatrix
     from ghc_controller.hierarchy import Profile as Profile
     from ghc_controller.hierarchy import Transition as Transition
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from ghc_controller.problem.control_problem import ControlProblem as ControlProblem
     from ghc_controller.problem.solution import Solution as Solution
     from ghc_controller.qp import QpSolver as QpSolver
+    from ghc_controller.qp import register_solver as register_solver
     from ghc_controller.references.reference import ReferenceTrajectory as ReferenceTrajectory
     from ghc_controller.report.report import Report as Report
     from ghc_controller.report.report import StepResult as StepResult
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from ghc_controller.robot.task_entries import frame_position as frame_position
     from ghc_controller.robot.task_entries import posture as posture
     from ghc_controller.settings import Settings as Settings
+    from ghc_controller.settings import register_constraint as register_constraint
     from ghc_controller.tasks.registry import register_task as register_task
     from ghc_controller.tasks.task import Task as Task
     from ghc_controller.types import RobotState as RobotState
@@ -75,6 +78,9 @@ _HOMES = {
     "frame_pose": "robot.task_entries",
     "frame_position": "robot.task_entries",
     "posture": "robot.task_entries",
+    "register_constraint": "settings",
+    "register_formulation": "formulations",
+    "register_solver": "qp",
     "register_task": "tasks.registry",
 }
 __all__ = ["__version__", *_HOMES]

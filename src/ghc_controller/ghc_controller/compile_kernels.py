@@ -12,7 +12,7 @@ from pathlib import Path
 from ghc_controller.contacts import Contact
 from ghc_controller.controller import Controller
 from ghc_controller.formulations import FORMULATIONS
-from ghc_controller.robot.library import find_robot, list_robots
+from ghc_controller.robot.library import ROBOTS, find_robot
 from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.robot.urdf import package_of
 from ghc_controller.schema.reader import Fields, read_yaml
@@ -49,13 +49,13 @@ def every_kind_of_task() -> Robot:
 
 def _robot_file() -> Path:
     """The first robot whose model needs no further package."""
-    files = map(find_robot, list_robots())
+    files = map(find_robot, ROBOTS.built_in)
     return next(file for file in files if not package_of(read_yaml(file).value("urdf"), file))
 
 
 def main() -> None:
     """Compile for every formulation."""
-    for formulation in FORMULATIONS:
+    for formulation in FORMULATIONS.built_in:
         settings = Settings(formulation=formulation, torque_bound=1.0)
         Controller(every_kind_of_task(), settings).warm_up()
 

@@ -19,7 +19,7 @@ from ghc_controller.contacts import (
     solve_settled,
 )
 from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_controller.formulations import FORMULATIONS, make_formulation
+from ghc_controller.formulations import blending_formulations, make_formulation
 from ghc_controller.hierarchy import (
     Solvability,
     Transition,
@@ -159,7 +159,7 @@ class Controller:
             raise InvalidValue(
                 f"torque_rate = {transition.torque_rate} Nm/s given with formulation "
                 f"'{self.formulation.name}'; only one that blends orders keeps it: "
-                + ", ".join(name for name, kind in FORMULATIONS.items() if kind.blends)
+                + ", ".join(blending_formulations())
             )
         if self.priorities.is_repeat(transition):
             return False

@@ -45,3 +45,7 @@ class InvalidField(InvalidValue):
 
 class ConfigurationError(GhcError):
     """A file or parameter that cannot be used; names the file and the field."""
+
+
+class PluginError(ConfigurationError):
+    """Something that another package brings and that cannot be used; names package and entry."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,7 @@ from ghc_controller.constraints import (
 )
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS, FormulationSettings
 from ghc_controller.qp import SolverSettings
+from ghc_controller.registry import Registry
 from ghc_controller.robot.robot import Robot
 from ghc_controller.schema.declared import check, declared, inline
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
@@ -33,7 +35,7 @@ class Settings:
         InvalidValue: a number outside its range.
     """
 
-    formulation: str = declared(", ".join(FORMULATIONS), DEFAULT_FORMULATION)
+    formulation: str = declared(", ".join(sorted(FORMULATIONS.built_in)), DEFAULT_FORMULATION)
     qp_solver: str = declared("daqp or proxqp", "daqp")
     solving: SolverSettings = inline(SolverSettings)
     control_dt: float = declared("control period", CONTROL_DT, unit="s", domain=POSITIVE)
@@ -61,6 +63,9 @@ class Settings:
     )
     position_limits: bool = declared("keep joint positions in their range", True)
     velocity_limits: bool = declared("keep joint velocities below their limit", True)
+    constraints: tuple[str, ...] = declared(
+        "further constraints by name, such as those of plug-ins", ()
+    )
     optimization: FormulationSettings = inline(FormulationSettings)
 
     @classmethod
@@ -89,25 +94,61 @@ class Settings:
         return robot.torque_rate if self.torque_rate_limit < 0.0 else self.torque_rate_limit
 
 
+# What makes a constraint of a robot under settings; None: it is off.
+ConstraintFactory = Callable[[Robot, Settings], Constraint | None]
+
+CONSTRAINTS: Registry[ConstraintFactory] = Registry("constraint", "ghc_controller.constraints")
+# Decorator. Those registered here are made for every robot, in this order.
+register_constraint = CONSTRAINTS.register
+
+
+@register_constraint("torque_limit")
+def _torque_limit(robot: Robot, _: Settings) -> Constraint:
+    return TorqueLimit(robot.model.limits.torque, robot.model.na)
+
+
+@register_constraint("torque_bound")
+def _torque_bound(robot: Robot, settings: Settings) -> Constraint | None:
+    if settings.torque_bound == 0.0:
+        return None
+    bound, around = settings.torque_bound, settings.torque_bound_around
+    return TorqueLimit(bound, robot.model.na, around, "torque_bound")
+
+
+@register_constraint("torque_rate")
+def _torque_rate(robot: Robot, settings: Settings) -> Constraint | None:
+    rate = settings.rate_limit(robot)
+    return TorqueRateLimit(rate, robot.model.na) if rate > 0.0 else None
+
+
+@register_constraint("joint_position")
+def _joint_position(robot: Robot, settings: Settings) -> Constraint | None:
+    if not settings.position_limits:
+        return None
+    limits = robot.model.limits
+    return JointPositionLimit(
+        limits.position_lower, limits.position_upper, robot.brake_acceleration
+    )
+
+
+@register_constraint("joint_velocity")
+def _joint_velocity(robot: Robot, settings: Settings) -> Constraint | None:
+    if not settings.velocity_limits:
+        return None
+    limit = settings.velocity_limit or robot.model.limits.velocity
+    return JointVelocityLimit(limit, robot.model.na, settings.velocity_horizon)
+
+
+_ALWAYS = CONSTRAINTS.built_in
+
+
 def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
-    """Constraints of the robot under these settings (design, section 5)."""
-    model, limits = robot.model, robot.model.limits
-    constraints: list[Constraint] = [TorqueLimit(limits.torque, model.na)]
-    if settings.torque_bound > 0.0:
-        constraints.append(
-            TorqueLimit(
-                settings.torque_bound, model.na, settings.torque_bound_around, "torque_bound"
-            )
-        )
-    if settings.rate_limit(robot) > 0.0:
-        constraints.append(TorqueRateLimit(settings.rate_limit(robot), model.na))
-    if settings.position_limits:
-        constraints.append(
-            JointPositionLimit(
-                limits.position_lower, limits.position_upper, robot.brake_acceleration
-            )
-        )
-    if settings.velocity_limits:
-        limit = settings.velocity_limit or limits.velocity
-        constraints.append(JointVelocityLimit(limit, model.na, settings.velocity_horizon))
-    return ConstraintSet(constraints, model)
+    """Constraints of the robot under these settings (design, section 5).
+
+    Raises:
+        UnknownName: no constraint of a name in `settings.constraints`; lists those that exist.
+        PluginError: a package brings it and it cannot be loaded.
+    """
+    names = dict.fromkeys((*_ALWAYS, *settings.constraints))
+    made = [CONSTRAINTS[name](robot, settings) for name in names]
+    return ConstraintSet([one for one in made if one is not None], robot.model)

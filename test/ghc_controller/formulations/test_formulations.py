@@ -225,7 +225,7 @@ def test_conflict_takes_bounded_effort() -> None:
 
 def test_unknown_names_list_the_known() -> None:
     """A formulation or solver that does not exist."""
-    with pytest.raises(GhcError, match="ghc, ghc_full, balanced, hqp, weighted"):
+    with pytest.raises(GhcError, match="known: " + ", ".join(sorted(FORMULATIONS))):
         make_formulation("sot")
     with pytest.raises(GhcError, match="daqp, proxqp"):
         make_solver("osqp")

@@ -114,7 +114,7 @@ class Contact:
 
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> Contact:
-        """Build from one entry of `contacts` in robot.yaml.
+        """Build from one entry of `contacts` in robot.yaml, whose `kind` is already read.
 
         Raises:
             ConfigurationError: a field that is missing, unknown or out of range.

@@ -10,6 +10,7 @@ from ghc_controller.formulations.kernels import (
     balanced_target,
 )
 from ghc_controller.formulations.nearest_answer import nearest_answer
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import guarded_solve, projected_terms
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order
@@ -22,6 +23,7 @@ from ghc_controller.types import Array
 _GUARD = 0.02  # [-] of w: below it the target system is damped
 
 
+@register_formulation
 class BalancedGhc(Formulation):
     """Balance of projected gradients (design, section 3.2).
 

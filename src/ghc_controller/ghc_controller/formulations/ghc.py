@@ -12,6 +12,7 @@ from ghc_controller.formulations.formulation import (
 )
 from ghc_controller.formulations.kernels import ghc_factor, ghc_target
 from ghc_controller.formulations.metrics import metric_root
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.problem.bounded_qp import solve_bounded, solve_qp, unbounded_answer
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization
@@ -20,6 +21,7 @@ from ghc_controller.problem.solution import Solution
 from ghc_controller.types import Array
 
 
+@register_formulation
 class CondensedGhc(Formulation):
     """Eq. 13 of the GHC paper with the task variables nu'_i minimised out.
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ghc_controller.formulations.formulation import Formulation, TorqueRegularization
 from ghc_controller.formulations.ghc import torque_reference
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.hierarchy.projector import generalized_projectors
 from ghc_controller.problem.bounded_qp import solve_qp
 from ghc_controller.problem.control_problem import ControlProblem
@@ -14,6 +15,7 @@ from ghc_controller.problem.reduction import reduce_contacts
 from ghc_controller.problem.solution import Solution
 
 
+@register_formulation
 class FullGhc(Formulation):
     """Eq. 13 of the GHC paper over (nu'_1 .. nu'_k, f); tau follows from (13b).
 

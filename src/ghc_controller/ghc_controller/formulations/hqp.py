@@ -14,6 +14,7 @@ from ghc_controller.formulations.cascade.level_answers import (
     rows_of,
 )
 from ghc_controller.formulations.formulation import Formulation
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import level_term
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.numerics.small_factors import inverse_factor
@@ -24,6 +25,7 @@ from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.types import Array
 
 
+@register_formulation
 class Hqp(Formulation):
     """Cascade of damped least squares with all bounds at every level (baseline of the paper).
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from ghc_controller.formulations.cascade.blend import blend
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.formulations.hqp import Hqp
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.orders_only import orders_only
 from ghc_controller.hierarchy.priorities import Priorities
@@ -17,6 +18,7 @@ from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
 
 
+@register_formulation
 class HqpTransition(Formulation):
     """The HQP-based transition that RHP-HQP (2021) is compared with, as read from its text.
 

@@ -18,6 +18,7 @@ from ghc_controller.formulations.cascade.level_answers import (
     rows_of,
 )
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.level_slots import LevelSlots
 from ghc_controller.hierarchy.orders_only import orders_only
@@ -31,6 +32,7 @@ from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
 
 
+@register_formulation
 class RhpHqp(Formulation):
     """Levels one after the other, each in the recursive hierarchical projection of those above.
 

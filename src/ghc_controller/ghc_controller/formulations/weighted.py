@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ghc_controller.formulations.formulation import Formulation
 from ghc_controller.formulations.nearest_answer import LARGEST_WEIGHT
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import weighted_terms
 from ghc_controller.formulations.weight_kernels import priority_weights, weighted_system
 from ghc_controller.numerics.small_factors import inverse_factor
@@ -14,6 +15,7 @@ from ghc_controller.problem.reduction import reduce_contacts
 from ghc_controller.problem.solution import Solution
 
 
+@register_formulation
 class Weighted(Formulation):
     """Eq. 12 of the GHC paper with omega_i = (1 - alpha_ii) ratio^(s_i).
 

@@ -8,7 +8,7 @@ from ghc_controller.qp.residuals import (
     residuals,
 )
 from ghc_controller.qp.solver import QpSolver, SolverSettings
-from ghc_controller.qp.solvers import SOLVERS, make_solver
+from ghc_controller.qp.solvers import SOLVERS, make_solver, register_solver
 
 __all__ = [
     "RESIDUAL_TOLERANCE",
@@ -21,5 +21,6 @@ __all__ = [
     "Residuals",
     "SolverSettings",
     "make_solver",
+    "register_solver",
     "residuals",
 ]

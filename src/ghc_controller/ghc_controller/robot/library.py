@@ -1,47 +1,74 @@
-"""Robots as data: each folder holds a URDF, the robot.yaml beside it and where they come from."""
+"""Robots by name: folders with a URDF, its robot.yaml and where they come from, or plug-ins."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
-from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.errors import ConfigurationError, PluginError
+from ghc_controller.registry import Files, Registry, made, plugged_file
 from ghc_controller.robot.robot import Robot, load_robot_config
 
 ROBOT_FILE = "robot.yaml"
 _DATA = Path(str(files("ghc_controller"))) / "robot" / "data"
 
+# A robot.yaml as `plugged_file` finds it, or a function that returns a Robot.
+RobotSource = Files | Callable[[], Robot]
+
+ROBOTS: Registry[RobotSource] = Registry("robot", "ghc_controller.robots")
+for _file in sorted(_DATA.glob(f"*/{ROBOT_FILE}")):
+    ROBOTS.register(_file.parent.name)(_file)
+
 
 def list_robots() -> tuple[str, ...]:
-    """Names of the robots that come with the package."""
-    return tuple(sorted(entry.parent.name for entry in _DATA.glob(f"*/{ROBOT_FILE}")))
+    """Names of the robots that come with this and other packages, sorted."""
+    return tuple(ROBOTS)
 
 
 def find_robot(robot: str | Path) -> Path:
     """Path of the robot.yaml of a robot.
 
     Args:
-        robot: name of a robot of this package, or the path of a robot.yaml or of its folder.
+        robot: name of a robot, or the path of a robot.yaml or of its folder.
 
     Raises:
         UnknownName: no robot of that name; lists the ones that exist.
-        ConfigurationError: a path was given and there is no robot.yaml.
+        ConfigurationError: there is no robot.yaml at the path, or the robot of that name is
+            written in Python and has none.
     """
-    text = str(robot)
-    if isinstance(robot, Path) or "/" in text or text.endswith((".yaml", ".yml")):
-        return _at_path(Path(text).expanduser())
-    if text not in list_robots():
-        raise UnknownName("robot", text, list_robots())
-    return _DATA / text / ROBOT_FILE
+    found = _find(robot)
+    if isinstance(found, Robot):
+        raise ConfigurationError(
+            f"robot '{robot}' is written in Python: it has no {ROBOT_FILE}, which simulator and "
+            "scenarios read"
+        )
+    return found
 
 
 def load_robot(robot: str | Path) -> Robot:
-    """Robot of that name, or of a robot.yaml or its folder; raises as `find_robot` does.
+    """Robot of that name, or of a robot.yaml or its folder.
 
     Raises:
-        ConfigurationError: the file is wrong: file, field, what was given and expected.
+        UnknownName: no robot of that name; lists the ones that exist.
+        ConfigurationError: there is no such file, or it is wrong: file, field, what was given and
+            expected.
     """
-    return load_robot_config(find_robot(robot))
+    found = _find(robot)
+    return found if isinstance(found, Robot) else load_robot_config(found)
+
+
+def _find(robot: str | Path) -> Path | Robot:
+    """File of a robot, or the robot itself where a package writes it in Python."""
+    text = str(robot)
+    if isinstance(robot, Path) or "/" in text or text.endswith((".yaml", ".yml")):
+        return _at_path(Path(text).expanduser())
+    source = ROBOTS[text]
+    try:
+        found = made(source)
+        return found if isinstance(found, Robot) else plugged_file(found, ROBOT_FILE)
+    except PluginError as error:
+        raise PluginError(f"robot '{text}': {error}") from error
 
 
 def _at_path(path: Path) -> Path:

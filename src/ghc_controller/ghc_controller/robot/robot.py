@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.registry import make_contact
 from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
 from ghc_controller.model.limits import JointLimits, Limit, overridden
 from ghc_controller.model.robot_model import RobotModel
@@ -39,6 +40,7 @@ class Robot:
     hierarchy: "hand"            # in force at the start
     contacts:                    # optional
       - name: palm               # as in contacts/<name> and in schedules
+        kind: rigid              # default rigid; further kinds come from plug-ins
         frame: tool
         points: [[0, 0, 0.1]]    # [m] in the frame; three or more hold the frame as a whole
         normal: [0, 0, 1]        # world axes, as the surroundings push
@@ -206,7 +208,7 @@ def _build_contacts(
     taken = {task.name for task in tasks}
     for entry in entries:
         try:
-            contact = Contact.from_config(entry, model)
+            contact = make_contact(entry, model)
         except InvalidValue as error:
             raise entry.complaint(str(error)) from error
         if contact.name in contacts:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +74,7 @@ class Fields:
             raise self.error(field, f"a non-empty text expected, {shown(value)} given")
         return value
 
-    def choice(self, field: str, known: Sequence[str]) -> str:
+    def choice(self, field: str, known: Collection[str]) -> str:
         """One of the known names."""
         value = self.text(field)
         if value not in known:

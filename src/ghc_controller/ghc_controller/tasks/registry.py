@@ -2,40 +2,27 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-from collections.abc import Callable
-from typing import TypeVar
-
+from ghc_controller.errors import PluginError
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.registry import Registry
 from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.task import Task, TaskFields
 
-_kinds: dict[str, type[Task]] = {}
-_T = TypeVar("_T", bound=type[Task])
-
-
-def register_task(kind: str) -> Callable[[_T], _T]:
-    """Class decorator that makes a Task subclass available as `kind` in robot.yaml."""
-
-    def register(task_class: _T) -> _T:
-        _kinds[kind] = task_class
-        return task_class
-
-    return register
+TASKS: Registry[type[Task]] = Registry(
+    "task kind", "ghc_controller.tasks", modules="ghc_controller.tasks", base=Task
+)
+# Class decorator: makes a Task available as `kind` in robot.yaml.
+register_task = TASKS.register
 
 
 def task_kinds() -> tuple[str, ...]:
-    """Every kind, sorted. Imports all modules of this folder: a new file is enough to add one."""
-    package = importlib.import_module("ghc_controller.tasks")
-    for module in pkgutil.iter_modules(package.__path__):
-        importlib.import_module(f"{package.__name__}.{module.name}")
-    return tuple(sorted(_kinds))
+    """Every kind, sorted; those of other packages included."""
+    return tuple(TASKS)
 
 
 def task_entries() -> dict[str, type[TaskFields]]:
-    """Kind -> declared fields of its entry, sorted."""
-    return {kind: _kinds[kind].entry for kind in task_kinds()}
+    """Kind -> declared fields of its entry, sorted; built-in kinds alone, as schemas have them."""
+    return {kind: TASKS[kind].entry for kind in sorted(TASKS.built_in)}
 
 
 def make_task(fields: Fields, model: RobotModel) -> Task:
@@ -44,7 +31,10 @@ def make_task(fields: Fields, model: RobotModel) -> Task:
     Raises:
         ConfigurationError: unknown kind, or a field that is missing, unknown or out of range.
     """
-    kind = fields.choice("kind", task_kinds())
-    task = _kinds[kind].from_config(fields, model)
+    kind = fields.choice("kind", TASKS)
+    try:
+        task = TASKS[kind].from_config(fields, model)
+    except PluginError as error:
+        raise fields.error("kind", str(error)) from error
     fields.done()
     return task

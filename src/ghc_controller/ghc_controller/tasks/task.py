@@ -44,7 +44,8 @@ class Task(Follower):
     A new kind of task is one new file in this folder: a subclass of Task that implements
     `write_rows`, `current` and `from_config`, under the decorator `@register_task("kind")` of
     `registry.py`. Every module of this folder is imported when the first kind is looked up, so
-    nothing else needs to change.
+    nothing else needs to change. Another package brings kinds by entry points
+    (docs/plugins.md).
 
     Attributes:
         name, labels, space: see Follower; one label per row.

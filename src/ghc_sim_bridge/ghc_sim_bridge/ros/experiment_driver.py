@@ -12,7 +12,7 @@ from rclpy.executors import SingleThreadedExecutor
 from ghc_controller.errors import GhcError
 from ghc_controller.ros.stop_signals import raise_if_stopped
 from ghc_sim_bridge.ros.experiment_client import ExperimentClient, ScriptedTransition
-from ghc_sim_bridge.ros.experiment_nodes import MAY_END, READ_BEFORE_START
+from ghc_sim_bridge.ros.experiment_nodes import MAY_END, read_before_start
 from ghc_sim_bridge.run.processes import NodeProcesses
 from ghc_sim_bridge.run.progress import Progress
 from ghc_sim_bridge.scenario.plan import RunPlan
@@ -52,7 +52,7 @@ class ExperimentDriver:
         self._until(lambda: client.controller_spoke, _CONTROLLER_START, _START_DEADLINE)
         client.stop_waiting_for_controller()
         for name in self._plan.parameters:
-            for topic in READ_BEFORE_START.get(name, ()):
+            for topic in read_before_start(name):
                 self._until(
                     partial(client.is_read_by, name, topic),
                     f"the subscription of {name} to {topic}",

@@ -20,7 +20,7 @@ from ghc_controller.schema.reader import read_yaml
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 from ghc_sim_bridge.ros.experiment_client import ExperimentClient
 from ghc_sim_bridge.ros.experiment_driver import ExperimentDriver
-from ghc_sim_bridge.ros.experiment_nodes import EXECUTABLES
+from ghc_sim_bridge.ros.experiment_nodes import executable_of
 from ghc_sim_bridge.run.cpu_placement import Cpus, lockstep_placement
 from ghc_sim_bridge.run.domain import DomainLock
 from ghc_sim_bridge.run.processes import NodeProcesses
@@ -53,7 +53,7 @@ def run_experiment(plan: RunPlan) -> RunOutcome:
         with NodeProcesses(plan.folder / "logs", environment, _placement(plan, domain)) as nodes:
             for name in plan.parameters:
                 arguments = ["--ros-args", "--params-file", str(plan.folder / "parameters.yaml")]
-                nodes.start(name, *EXECUTABLES[name], arguments)
+                nodes.start(name, *executable_of(name), arguments)
             wall_seconds, trace = _drive(plan, nodes, domain.id)
             nodes.stop()
             exit_codes = nodes.exit_codes()

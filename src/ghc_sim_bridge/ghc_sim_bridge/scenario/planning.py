@@ -11,8 +11,9 @@ from typing import Any
 import yaml
 
 from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_controller.formulations import FORMULATIONS
+from ghc_controller.formulations import FORMULATIONS, blending_formulations
 from ghc_controller.robot.library import find_robot
+from ghc_mpc_constraints.generators import GENERATORS
 from ghc_sim_bridge.scenario.keyframe_references import keyframe_references
 from ghc_sim_bridge.scenario.parameters import node_parameters
 from ghc_sim_bridge.scenario.plan import (
@@ -38,8 +39,8 @@ def parse_parameter(text: str) -> tuple[str, str, Any]:
             f"--param '{text}': node:name:=value is expected, "
             "e.g. controller:torque_rate_limit:=1000.0"
         )
-    if node not in NODES:
-        raise UnknownName("node", node, NODES)
+    if node not in NODES and node not in GENERATORS:
+        raise UnknownName("node", node, (*NODES, *GENERATORS))
     try:
         return node, name, yaml.safe_load(value)
     except yaml.YAMLError as error:
@@ -127,7 +128,7 @@ def _torque_rate(scenario: Scenario, options: RunOptions, formulation: str) -> f
     """Budget of the transitions [Nm/s]; InvalidValue where the formulation cannot keep it."""
     rate = scenario.torque_rate if options.torque_rate is None else options.torque_rate
     if rate > 0.0 and not FORMULATIONS[formulation].blends:
-        able = ", ".join(name for name, kind in FORMULATIONS.items() if kind.blends)
+        able = ", ".join(blending_formulations())
         raise InvalidValue(
             f"torque rate {rate:g} Nm/s: formulation '{formulation}' cannot keep it, only one "
             f"that blends orders: {able}; torque rate 0 = none"

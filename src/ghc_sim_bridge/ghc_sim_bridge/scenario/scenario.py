@@ -15,20 +15,21 @@ from typing import Any
 
 from ghc_controller.errors import InvalidField, UnknownName
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
+from ghc_controller.registry import Files, Registry, plugged_file
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, Range
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
 from ghc_controller.types import CONTROL_DT
+from ghc_mpc_constraints.generators import GENERATORS
 from ghc_sim_bridge.scenario.keyframes import Keyframes
 from ghc_sim_bridge.scenario.references import Reference, ReferenceFields, read_references
 from ghc_sim_bridge.scenario.schedules import (
-    GENERATOR_PARAMETERS,
-    GENERATORS,
     Event,
     ScheduleFields,
     ScriptedSchedule,
+    generator_parameters,
     read_generators,
     read_schedules,
 )
@@ -41,8 +42,17 @@ from ghc_sim_bridge.scenario.walk.walk import (
 
 _AS_SCENARIO = -1.0  # [s] a hold that no file can give
 
-CHECKED: Mapping[str, type] = {"controller": ControllerParameters, **GENERATOR_PARAMETERS}
-NODES = ("sim_bridge", "controller", "recorder", "viewer", *GENERATORS)
+CHECKED: Mapping[str, type] = {
+    "controller": ControllerParameters,
+    **{name: generator_parameters(name) for name in GENERATORS.built_in},
+}
+NODES = ("sim_bridge", "controller", "recorder", "viewer")  # and the generators
+
+SCENARIOS: Registry[Files] = Registry("scenario", "ghc_sim_bridge.scenarios")
+for _file in sorted(
+    (Path(str(resources.files("ghc_sim_bridge"))) / "scenario" / "data").glob("*.yaml")
+):
+    SCENARIOS.register(_file.stem)(_file)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,10 +82,11 @@ def _read_parameters(scenario: Fields, name: str) -> Mapping[str, Mapping[str, A
     """Node -> its parameters; those of controller and generators are checked here."""
     fields = scenario.section(name, optional=True)
     for node in fields.given():
-        if node not in NODES:
-            raise fields.error(node, f"unknown node; known: {', '.join(NODES)}")
-        if node in CHECKED:
-            read(fields.section(node), CHECKED[node])
+        if node not in NODES and node not in GENERATORS:
+            known = ", ".join((*NODES, *GENERATORS))
+            raise fields.error(node, f"unknown node; known: {known}")
+        if node in CHECKED or node in GENERATORS:
+            read(fields.section(node), CHECKED.get(node) or generator_parameters(node))
     return {node: fields.section(node).values for node in fields.given()}
 
 
@@ -166,13 +177,15 @@ class Scenario:
         "node: further parameters",
         dict,
         read=_read_parameters,
-        schema=lambda schema: schema.node_parameters(NODES),
+        schema=lambda schema: schema.node_parameters((*NODES, *GENERATORS.built_in)),
     )
     formulation_parameters: Mapping[str, Mapping[str, Any]] = declared(
         "formulation: further parameters of the controller with it",
         dict,
         read=_read_formulations,
-        schema=lambda schema: schema.by_name(FORMULATIONS, schema.parameters_of("controller")),
+        schema=lambda schema: schema.by_name(
+            FORMULATIONS.built_in, schema.parameters_of("controller")
+        ),
     )
     robot_changes: Mapping[str, Any] = declared(
         "merged into robot.yaml, tasks and contacts found by name", dict
@@ -181,7 +194,7 @@ class Scenario:
         "node: its parameters; every generator that is named is started",
         dict,
         read=read_generators,
-        schema=lambda schema: schema.node_parameters(GENERATORS),
+        schema=lambda schema: schema.node_parameters(GENERATORS.built_in),
     )
     contact_schedules: tuple[ScriptedSchedule, ...] = declared(
         "what each contact may carry, for the generator of force bounds",
@@ -218,22 +231,18 @@ class Scenario:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """Names of the scenarios of this package, sorted."""
-    folder = resources.files("ghc_sim_bridge") / "scenario" / "data"
-    files = [Path(entry.name) for entry in folder.iterdir()]
-    return tuple(sorted(file.stem for file in files if file.suffix == ".yaml"))
+    """Names of the scenarios of this and other packages, sorted."""
+    return tuple(SCENARIOS)
 
 
 def find_scenario(name: str) -> Path:
     """File of a scenario, by its name or by a path that ends in .yaml.
 
-    Raises UnknownName with the existing names.
+    Raises UnknownName with the existing names, or PluginError.
     """
     if name.endswith(".yaml") and Path(name).is_file():
         return Path(name)
-    if name not in scenario_names():
-        raise UnknownName("scenario", name, scenario_names())
-    return Path(str(resources.files("ghc_sim_bridge") / "scenario" / "data" / f"{name}.yaml"))
+    return plugged_file(SCENARIOS[name], f"{name}.yaml")
 
 
 def load_scenario(name: str, variant: str = "") -> Scenario:
@@ -277,7 +286,9 @@ def _read_scenario(
             contact_schedules=(*scenario.contact_schedules, *walk_schedules(walk)),
             events=tuple(sorted(events, key=lambda event: event.time)),
         )
-    if scenario.contact_schedules and "contact_force_bounds" not in scenario.generators:
+    if scenario.contact_schedules and not any(
+        GENERATORS[generator].reads_schedules for generator in scenario.generators
+    ):
         raise fields.error(
             "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
         )

@@ -10,16 +10,12 @@ from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
+from ghc_mpc_constraints.generators import FORCE_BOUNDS, GENERATORS, OBSTACLE_MOTION
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
 
-# Node -> what the controller waits for (its parameter wait_for_bounds).
-GENERATORS: Mapping[str, str] = {
-    "contact_force_bounds": "contact_force_bounds",
-    "obstacle_bounds": "obstacle_motion",
-}
-GENERATOR_PARAMETERS: Mapping[str, type] = {
-    "contact_force_bounds": ForceBoundParameters,
-    "obstacle_bounds": ObstacleParameters,
+_PARAMETERS: Mapping[str, type] = {  # plan -> parameters of the generators that make it
+    FORCE_BOUNDS: ForceBoundParameters,
+    OBSTACLE_MOTION: ObstacleParameters,
 }
 
 
@@ -75,6 +71,11 @@ class Event:
     name: str = declared("in words")
 
 
+def generator_parameters(name: str) -> type:
+    """Dataclass of the parameters of a generator; raises as `GENERATORS[name]` does."""
+    return _PARAMETERS[GENERATORS[name].plan]
+
+
 def read_generators(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
     """Node -> its parameters; every generator that is named is started.
 
@@ -87,7 +88,7 @@ def read_generators(scenario: Fields, name: str) -> Mapping[str, Mapping[str, An
     # A generator without parameters of its own is written as `name: {}`.
     sections = {name: fields.section(name) for name in fields.given()}
     for name, section in sections.items():
-        read(section, GENERATOR_PARAMETERS[name])
+        read(section, generator_parameters(name))
     return {name: section.values for name, section in sections.items()}
 
 

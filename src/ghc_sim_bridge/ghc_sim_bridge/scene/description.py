@@ -11,6 +11,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.registry import Files, Registry, plugged_file
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.urdf import find_urdf
 from ghc_controller.schema.reader import Fields, read_yaml
@@ -24,6 +25,7 @@ from ghc_sim_bridge.scene.values import (
 )
 
 __all__ = [
+    "SCENES",
     "Camera",
     "Contact",
     "Obstacle",
@@ -35,9 +37,14 @@ __all__ = [
 ]
 
 
+SCENES: Registry[Files] = Registry("scene", "ghc_sim_bridge.scenes")
+for _file in sorted((Path(str(files("ghc_sim_bridge"))) / "scene" / "data").glob("*.yaml")):
+    SCENES.register(_file.stem)(_file)
+
+
 def list_scenes() -> tuple[str, ...]:
-    """Names of the scenes that come with the package."""
-    return tuple(sorted(entry.stem for entry in _scene_folder().glob("*.yaml")))
+    """Names of the scenes that come with this and other packages, sorted."""
+    return tuple(SCENES)
 
 
 def find_scene(scene: str | Path) -> Path:
@@ -54,9 +61,7 @@ def find_scene(scene: str | Path) -> Path:
                 + ", ".join(list_scenes())
             )
         return path.resolve()
-    if text not in list_scenes():
-        raise UnknownName("scene", text, list_scenes())
-    return _scene_folder() / f"{text}.yaml"
+    return plugged_file(SCENES[text], f"{text}.yaml")
 
 
 def load_scene(scene: str | Path) -> SceneDescription:
@@ -80,10 +85,6 @@ def load_scene(scene: str | Path) -> SceneDescription:
         torque_limit=torque,
         velocity_limit=limits.number_or_map("velocity"),
     )
-
-
-def _scene_folder() -> Path:
-    return Path(str(files("ghc_sim_bridge"))) / "scene" / "data"
 
 
 def _robot(name: str, fields: Fields, file: Path) -> tuple[Path, Fields, Path]:

@@ -9,10 +9,12 @@ import numpy as np
 from ghc_controller.formulations.baselines.strict_law import Level, StrictLaw
 from ghc_controller.formulations.formulation import Metric
 from ghc_controller.formulations.metrics import metric_matrix
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.types import Array
 
 
+@register_formulation
 class OperationalSpace(StrictLaw):
     """A baseline of Jeong and Chang 2009; `task_priority` in the metric M without its bases Z_i.
 

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from ghc_controller.formulations.baselines.strict_law import Level, StrictLaw
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.types import Array
 
 
+@register_formulation
 class ResolvedAcceleration(StrictLaw):
     """Eq. 28 of Jeong and Chang 2009: their first baseline.
 

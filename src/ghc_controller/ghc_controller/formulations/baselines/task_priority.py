@@ -9,10 +9,12 @@ import numpy as np
 from ghc_controller.formulations.baselines.strict_law import Level, StrictLaw
 from ghc_controller.formulations.formulation import Metric
 from ghc_controller.formulations.metrics import metric_root
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.types import Array
 
 
+@register_formulation
 class TaskPriority(StrictLaw):
     """Eq. 15 to 18 and 27: each task as near as those above it allow, by least squares.
 

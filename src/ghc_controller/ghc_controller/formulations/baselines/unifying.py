@@ -9,10 +9,12 @@ import numpy as np
 from ghc_controller.formulations.baselines.strict_law import Level, StrictLaw
 from ghc_controller.formulations.formulation import Metric
 from ghc_controller.formulations.metrics import metric_matrix
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.types import Array
 
 
+@register_formulation
 class Unifying(StrictLaw):
     """A baseline of Jeong and Chang 2009 with an algorithmic error (34): only level 1 is met.
 

@@ -27,6 +27,7 @@ from ghc_controller.formulations.cascade.level_answers import (
 )
 from ghc_controller.formulations.cascade.torque_rate import within_rate, without_rate
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
+from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import level_term
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order, levels
@@ -46,6 +47,7 @@ _NONE = np.zeros(0)
 _ORDERS_KEPT = 64
 
 
+@register_formulation
 class Cascade(Formulation):
     """Levels one after the other, each in the smooth null space P of those above.
 

@@ -1,0 +1,141 @@
+"""The nodes run what a package outside `src/` brings: its entry points are all they are told."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from bridge_client import BridgeClient
+from ghc_msgs.msg import ControllerState
+from plugin_install import install_plugin, on_python_path
+
+from ghc_controller.ros.qos import STREAM_QOS
+from ghc_controller.ros.time import nanoseconds_from_time
+
+pytestmark = pytest.mark.timeout(400)
+
+ROBOT, SCENE, SCENARIO = "planar_plugin_arm", "planar_plugin_room", "planar_plugin_fold"
+FORMULATION = "flat_least_squares"
+DURATION = 1.5  # [s] simulated; the error of the task has poles at -10 1/s, twice
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the package as pip installs it."""
+    return install_plugin(tmp_path_factory.mktemp("plugin"))
+
+
+@pytest.fixture
+def plugin(installed: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Nodes that a test starts see the package."""
+    on_python_path(installed, monkeypatch)
+    return installed
+
+
+class Listener(BridgeClient):
+    """Hears what the controller says of itself."""
+
+    def __init__(self, context: Any) -> None:
+        super().__init__(context)
+        self.reports: list[ControllerState] = []
+        self.node.create_subscription(
+            ControllerState, "ghc/controller_state", self.reports.append, STREAM_QOS
+        )
+
+
+@pytest.fixture
+def listener(ros_context: Any) -> Iterator[Listener]:
+    """A listener on the test's own domain."""
+    partner = Listener(ros_context)
+    yield partner
+    partner.close()
+
+
+def _parameters(**values: object) -> list[str]:
+    pairs = [("-p", f"{name}:={value}") for name, value in values.items()]
+    return ["--ros-args", *(part for pair in pairs for part in pair)]
+
+
+@pytest.mark.parametrize("robot", [ROBOT, "planar_python_arm"])
+def test_controller_and_bridge_close_the_loop_with_what_it_brings(
+    robot: str, plugin: Path, start_node: Callable[..., Any], listener: Listener
+) -> None:
+    """Scene, robot (its folder, or written in Python), task kind and formulation by name."""
+    controller = start_node(
+        "ghc_controller", "controller", *_parameters(robot=robot, formulation=FORMULATION)
+    )
+    controller.wait_for_output("ready", 300.0)
+    bridge = start_node(
+        "ghc_sim_bridge",
+        "sim_bridge",
+        *_parameters(scene=SCENE, torque_rate_limit=0.0),
+    )
+
+    def finished() -> bool:
+        assert controller.exit_code is None, controller.output
+        assert bridge.exit_code is None, bridge.output
+        reports = listener.reports
+        return bool(reports) and nanoseconds_from_time(reports[-1].header.stamp) >= DURATION * 1e9
+
+    listener.until(finished, f"a report at {DURATION:g} s", 180.0)
+    first, last = listener.reports[0], listener.reports[-1]
+    assert last.formulation == FORMULATION
+    assert [task.name for task in last.tasks] == ["fold", "posture"]
+    assert abs(first.tasks[0].error[0]) > 0.2
+    assert abs(last.tasks[0].error[0]) < 1e-4
+    assert abs(sum(listener.states[-1].position) - 1.2) < 1e-4
+    assert all(report.status == ControllerState.SOLVED for report in listener.reports)
+
+
+def test_its_scenario_runs_by_name(
+    plugin: Path, start_node: Callable[..., Any], tmp_path: Path
+) -> None:
+    output = tmp_path / "results"
+    run = start_node("ghc_sim_bridge", "experiment", "--scenario", SCENARIO, "--output", output)
+    assert run.wait(200.0) == 0, run.output
+    assert "limits exceeded: none; qp failures: 0" in run.output
+    summary = json.loads((output / SCENARIO / FORMULATION / "summary.json").read_text())
+    errors = [phase["errors"] for phase in summary["phases"]]
+    assert np.isfinite([list(error.values()) for error in errors]).all()
+
+
+def test_names_that_do_not_exist_are_rejected_with_those_of_the_package(
+    plugin: Path, start_node: Callable[..., Any]
+) -> None:
+    for values, kind, known in (
+        ({"robot": "planar_arm"}, "robot", ROBOT),
+        ({"robot": ROBOT, "formulation": "flat"}, "formulation", FORMULATION),
+    ):
+        node = start_node("ghc_controller", "controller", *_parameters(**values))
+        assert node.wait(120.0) != 0
+        (line,) = [line for line in node.output.splitlines() if f"unknown {kind}" in line]
+        assert known in line
+
+
+def test_a_package_that_cannot_be_imported_is_named(
+    plugin: Path, start_node: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its own names fail with package and entry point; those of others work on."""
+    broken = tmp_path / "broken" / "broken_plugin-1.0.dist-info"
+    broken.mkdir(parents=True)
+    (broken / "METADATA").write_text("Metadata-Version: 2.1\nName: broken-plugin\nVersion: 1.0\n")
+    (broken / "entry_points.txt").write_text(
+        "[ghc_controller.formulations]\nbroken = no_such_module:Formulation\n"
+    )
+    on_python_path(broken.parent, monkeypatch)
+    node = start_node(
+        "ghc_controller", "controller", *_parameters(robot=ROBOT, formulation="broken")
+    )
+    assert node.wait(120.0) != 0
+    assert "formulation 'broken' of package broken-plugin 1.0" in node.output
+    assert "broken = no_such_module:Formulation) cannot be loaded" in node.output
+    assert "No module named 'no_such_module'" in node.output
+    assert "Traceback" not in node.output
+    node = start_node(
+        "ghc_controller", "controller", *_parameters(robot=ROBOT, formulation=FORMULATION)
+    )
+    node.wait_for_output("ready", 300.0)

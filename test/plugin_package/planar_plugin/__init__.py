@@ -1,0 +1,1 @@
+"""What a package outside the repository brings to the control stack."""

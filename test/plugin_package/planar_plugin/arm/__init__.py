@@ -1,0 +1,1 @@
+"""The arm as data: URDF, robot.yaml, a scene and a scenario."""
