@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -187,18 +188,27 @@ class Controller:
         self.warm_up()
         self.observe(state)
 
-    def set_reference(self, task: str, position: ArrayLike, start: float | None = None) -> None:
+    def set_reference(
+        self,
+        task: str,
+        position: ArrayLike,
+        start: float | None = None,
+        wrench: ArrayLike | None = None,
+    ) -> None:
         """Let a task go to a standing position from `start` [s] on, at once without.
 
         Args:
             position: as the task counts it: [m], [rad], or a quaternion x, y, z, w.
+            wrench: (m,) [N] to be exerted on the surroundings by rows under force control.
 
         Raises:
             UnknownName: there is no such task.
-            WrongSize, InvalidValue: the position does not fit the task.
+            WrongSize, InvalidValue: the position or wrench does not fit the task.
         """
         kind = self.schedule_of(task).task(task)
         target = kind.static_target(np.array(position, dtype=np.float64))
+        if wrench is not None:
+            target = replace(target, wrench=np.array(wrench, dtype=np.float64))
         begin = self._time if start is None else start
         self.add_reference(ReferenceTrajectory.static(kind, target, begin))
 
