@@ -1,7 +1,8 @@
 """Scenarios as data: what one experiment runs, read from a YAML file.
 
 A scenario names the robot, the scene, the formulation, the task references and the sequence of
-hierarchies. `variants` override top-level fields under a name. Files in the package's folder
+hierarchies. `variants` change fields under a name: mappings merge at any depth, lists and values
+replace, null takes a field away. Files in the package's folder
 `scenario/data/` are found by name; a path finds any other file.
 """
 
@@ -15,6 +16,7 @@ from typing import Any
 
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
+from ghc_controller.schema.merging import merged
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_sim_bridge.scenario.keyframes import Keyframes, read_keyframes
 from ghc_sim_bridge.scenario.references import Reference, read_reference
@@ -115,8 +117,8 @@ def load_scenario(name: str, variant: str = "") -> Scenario:
         raise UnknownName(f"variant of scenario '{name}'", variant, names)
     chosen = variant or (names[0] if names else "")
     changes = variants.section(chosen).values if chosen else {}
-    merged = {key: value for key, value in fields.values.items() if key != "variants"} | changes
-    return _read_scenario(Fields(merged, file), file, chosen, names)
+    common = {key: value for key, value in fields.values.items() if key != "variants"}
+    return _read_scenario(Fields(merged(common, changes), file), file, chosen, names)
 
 
 def _read_scenario(
