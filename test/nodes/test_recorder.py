@@ -15,6 +15,7 @@ from bridge_client import ROBOT, BridgeClient, GravityModel
 from geometry_msgs.msg import WrenchStamped
 from ghc_msgs.msg import ControllerState, NamedCount, PriorityMatrix, PriorityTransition, TaskState
 from mcap.reader import make_reader
+from mcap.records import Channel, Message
 from mcap_ros2.decoder import DecoderFactory
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosbags.highlevel import AnyReader
@@ -22,6 +23,7 @@ from rosbags.rosbag2 import Reader
 
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS
 from ghc_controller.ros.time import time_from_nanoseconds
+from ghc_sim_bridge.recorder.bag_reading import intact_records
 from ghc_sim_bridge.ros.message_schema import message_schema
 from ghc_sim_bridge.ros.recorder_node import is_fast
 
@@ -61,6 +63,18 @@ class Recording:
 def _start(start_node: Callable[..., Any], executable: str, **parameters: object) -> Any:
     pairs = [part for k, v in parameters.items() for part in ("-p", f"{k}:={v}")]
     return start_node("ghc_sim_bridge", executable, "--ros-args", *pairs)
+
+
+def _on_disk(folder: Path, topic: str) -> int:
+    """Messages of a topic in a bag that is being written."""
+    channels: dict[int, str] = {}
+    count = 0
+    for record in intact_records(folder / f"{folder.name}_0.mcap"):
+        if isinstance(record, Channel):
+            channels[record.id] = record.topic
+        elif isinstance(record, Message):
+            count += channels[record.channel_id] == topic
+    return count
 
 
 def _readers(client: BridgeClient, topic: str) -> int:
@@ -104,7 +118,13 @@ def _record_a_walk(
         robot = client.step(robot, model.swing(robot))
     client.diagnostics.clear()
     client.until(lambda: client.diagnostics, "the diagnostics")
-    client.spin(0.3)
+    client.until(
+        lambda: (
+            _on_disk(path, "/ghc/priority_transition") == STEPS
+            and _on_disk(path, "/diagnostics") > 0
+        ),
+        "the last messages on the disk",
+    )
     recorder.send(signal.SIGINT)
     assert recorder.wait() == 0
     assert "Traceback" not in recorder.output
@@ -176,7 +196,7 @@ def test_recording_without_a_clock_runs_on_wall_time(
     message = PriorityTransition(id="by hand")
     message.header.stamp = time_from_nanoseconds(now)
     transition.publish(message)
-    client.spin(0.3)
+    client.until(lambda: _on_disk(tmp_path / "run", "/ghc/priority_transition"), "the message")
     assert recorder.stop() == 0
     (log_time,) = Recording(tmp_path / "run").log_times["/ghc/priority_transition"]
     assert 0 <= log_time - now < 30_000_000_000
@@ -255,7 +275,7 @@ def test_bytes_that_are_no_message_do_not_end_the_recorder(
     client.until(lambda: state.get_subscription_count() > 0, "the recorder")
     state.publish(b"\x00\x01\x00\x00")
     state.publish(ControllerState(formulation="balanced"))
-    client.spin(0.5)
+    client.until(lambda: _on_disk(tmp_path / "run", "/ghc/controller_state") == 2, "both of them")
     assert recorder.stop() == 0
     with Reader(tmp_path / "run") as reader:
         sizes = [
