@@ -58,7 +58,7 @@ kinematics: setup ## T1 to T20 of gn_qn_2018, docs/gn_qn.md: ARGS="4 5 20 --vari
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/kinematics/run.py $(ARGS)
 
 soak: setup ## memory of the generator nodes over ten simulated minutes
-	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak.py $(ARGS)
+	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak/run.py $(ARGS)
 
 test: setup ## all tests; ARGS goes to pytest
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all

@@ -9,19 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ghc_controller.controller import Controller
-from ghc_controller.formulations import FormulationSettings
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.report.report import StepStatus
-from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.settings import Settings
+import ghc_controller as ghc
 from ghc_controller.types import Array
-from ghc_sim_bridge.errors import SimulationDiverged
+from ghc_sim_bridge import SimulationDiverged, Simulator
 from ghc_sim_bridge.scenario.references import ReferencePoint
 from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 from ghc_sim_bridge.scenario.scenario import Scenario, load_scenario
-from ghc_sim_bridge.simulation.simulator import Simulator
 
 SCENARIO = "fencing"
 LARGEST_SPEED = 100.0  # [rad/s] norm of all joints: beyond it a run has stopped
@@ -38,7 +31,7 @@ class Fencing(NamedTuple):
 
 
 def run_fencing(
-    formulation: str, optimization: FormulationSettings, case: Fencing, curve: bool = False
+    formulation: str, optimization: ghc.FormulationSettings, case: Fencing, curve: bool = False
 ) -> dict[str, Any]:
     """Figures of one run: errors in mm, torques in Nm, excess of joint limits in degrees.
 
@@ -53,7 +46,7 @@ def run_fencing(
     limits = controller.model.limits
     errors: list[list[float]] = []
     torques: list[Array] = []
-    status: list[StepStatus] = []
+    status: list[ghc.StepStatus] = []
     excess, qps, stopped = 0.0, 0, None
     while simulator.time < case.duration - 1e-9 and stopped is None:
         state = simulator.state()
@@ -86,8 +79,8 @@ def run_fencing(
         "torque": float(np.sqrt((path**2).sum(axis=1).mean())),
         "jump": float(np.abs(np.diff(path, axis=0)).max(initial=0.0)),
         "qps": qps,
-        "not_solved": sum(each is not StepStatus.SOLVED for each in status),
-        "failed": sum(each is StepStatus.FALLBACK for each in status),
+        "not_solved": sum(each is not ghc.StepStatus.SOLVED for each in status),
+        "failed": sum(each is ghc.StepStatus.FALLBACK for each in status),
         "stopped": stopped,
     }
     if curve:
@@ -96,12 +89,15 @@ def run_fencing(
 
 
 def fencer(
-    scenario: Scenario, formulation: str, optimization: FormulationSettings, posture: bool = True
-) -> Controller:
+    scenario: Scenario,
+    formulation: str,
+    optimization: ghc.FormulationSettings,
+    posture: bool = True,
+) -> ghc.Controller:
     """Controller of the scenario's robot with its changes; without `posture` no last level."""
     hierarchy = scenario.phases[0].hierarchy
     given = scenario.parameters.get("controller", {})
-    settings = Settings(
+    settings = ghc.Settings(
         formulation=formulation,
         control_dt=scenario.control_dt,
         hierarchy=hierarchy if posture else hierarchy.rpartition(" > ")[0],
@@ -110,27 +106,29 @@ def fencer(
         velocity_limits=given.get("velocity_limits", True),
         optimization=optimization,
     )
-    source = find_robot(scenario.robot)
+    source = ghc.load_robot(scenario.robot).path
     with TemporaryDirectory() as folder:
         changed = write_changed_robot(source, scenario.robot_changes, Path(folder) / "robot.yaml")
-        return Controller(load_robot_config(changed), settings)
+        return ghc.Controller(ghc.load_robot(changed), settings)
 
 
-def start(controller: Controller, simulator: Simulator, scenario: Scenario) -> None:
+def start(controller: ghc.Controller, simulator: Simulator, scenario: Scenario) -> None:
     """Send all references, as an experiment does before time runs."""
     controller.observe(simulator.state())
     for trajectory in _references(controller, scenario):
         controller.add_reference(trajectory)
 
 
-def _references(controller: Controller, scenario: Scenario) -> Iterator[ReferenceTrajectory]:
+def _references(
+    controller: ghc.Controller, scenario: Scenario
+) -> Iterator[ghc.ReferenceTrajectory]:
     joints = controller.model.joint_names
     for reference in scenario.references:
         points = reference.points
         position = np.array([point.position for point in points])
         if reference.joints:
             position = position[:, [reference.joints.index(name) for name in joints]]
-        yield ReferenceTrajectory.for_task(
+        yield ghc.ReferenceTrajectory.for_task(
             controller.references.task(reference.task),
             np.array([point.time for point in points]),
             position,

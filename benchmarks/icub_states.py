@@ -8,15 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+import ghc_controller as ghc
 from benchmarks.models import install_model
 from benchmarks.random_tasks import Reach, random_references, strict_matrix
-from ghc_controller.controller import Controller
-from ghc_controller.formulations import ControlProblem
-from ghc_controller.hierarchy import PriorityMatrix, Transition
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import Settings
-from ghc_controller.types import Array, RobotState
-from ghc_sim_bridge.simulation.simulator import Simulator
+from ghc_controller.types import Array
+from ghc_sim_bridge import Simulator
 
 SEED = 21
 SCENE = "icub_standing"
@@ -29,17 +25,19 @@ class TenTasks(NamedTuple):
     """One state at rest with its targets and order."""
 
     q: Array  # (nq,)
-    references: tuple[ReferenceTrajectory, ...]
+    references: tuple[ghc.ReferenceTrajectory, ...]
     order: tuple[int, ...]  # tasks, highest first
 
 
-def icub_controller(formulation: str) -> Controller:
+def icub_controller(formulation: str) -> ghc.Controller:
     """Default settings but for the torque rate limit, which is off."""
     install_model("icub-models")
-    return Controller.for_robot("icub", Settings(formulation=formulation, torque_rate_limit=0.0))
+    return ghc.Controller.for_robot(
+        "icub", ghc.Settings(formulation=formulation, torque_rate_limit=0.0)
+    )
 
 
-def ten_task_states(controller: Controller, count: int) -> Iterator[TenTasks]:
+def ten_task_states(controller: ghc.Controller, count: int) -> Iterator[TenTasks]:
     """The first `count` states of the set: arms, torso and neck moved at random, v = 0."""
     rng = np.random.default_rng(SEED)
     model = controller.model
@@ -55,26 +53,26 @@ def ten_task_states(controller: Controller, count: int) -> Iterator[TenTasks]:
                     model.position_lower[i] + _INSIDE,
                     model.position_upper[i] - _INSIDE,
                 )
-        controller.observe(RobotState(0.0, q, np.zeros(model.nv)))
+        controller.observe(ghc.RobotState(0.0, q, np.zeros(model.nv)))
         references = random_references(controller.robot, rng, Reach())
         order = rng.permutation(len(controller.robot.tasks))
         yield TenTasks(q, tuple(references), tuple(int(task) for task in order))
 
 
-def begin(controller: Controller, case: TenTasks, alpha: Array) -> None:
+def begin(controller: ghc.Controller, case: TenTasks, alpha: Array) -> None:
     """Let a controller start at a state, with its targets and a matrix in force at time 0."""
     controller.reset()
-    controller.observe(RobotState(0.0, case.q, np.zeros(controller.model.nv)))
+    controller.observe(ghc.RobotState(0.0, case.q, np.zeros(controller.model.nv)))
     for reference in case.references:
         controller.add_reference(reference)
-    matrix = PriorityMatrix(controller.robot.task_names, alpha)
-    controller.add_transition(Transition(matrix, 0.0, 0.0), 0.0)
+    matrix = ghc.PriorityMatrix(controller.robot.task_names, alpha)
+    controller.add_transition(ghc.Transition(matrix, 0.0, 0.0), 0.0)
 
 
-def ten_task_problem(controller: Controller, case: TenTasks) -> ControlProblem:
+def ten_task_problem(controller: ghc.Controller, case: TenTasks) -> ghc.ControlProblem:
     """A copy of the control problem at a state."""
     begin(controller, case, strict_matrix(case.order, len(case.order)))
     still = np.zeros(controller.model.nv)
     for time in (0.0, 1e-3):
-        controller.step(RobotState(time, case.q, still))
+        controller.step(ghc.RobotState(time, case.q, still))
     return copy.deepcopy(controller.problem())

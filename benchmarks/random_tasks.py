@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import ghc_controller as ghc
 from ghc_controller.numerics.rotation import quaternion_product, rotation_exp
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.robot.robot import Robot
 from ghc_controller.types import Array
 
 
@@ -24,13 +23,13 @@ class Reach:
 
 
 def random_references(
-    robot: Robot, rng: np.random.Generator, reach: Reach
-) -> list[ReferenceTrajectory]:
+    robot: ghc.Robot, rng: np.random.Generator, reach: Reach
+) -> list[ghc.ReferenceTrajectory]:
     """A static target at rest for every task, about the pose of the model's last update."""
     found = []
     for task in robot.tasks:
         target = _moved(np.array(task.current(robot.model)), rng, reach)
-        found.append(ReferenceTrajectory.static(task, task.static_target(target)))
+        found.append(ghc.ReferenceTrajectory.static(task, task.static_target(target)))
     return found
 
 

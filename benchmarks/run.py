@@ -21,15 +21,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     for name in _THREADS:  # before NumPy is imported
         os.environ.setdefault(name, "1")
-    from benchmarks.session import run_session
-    from ghc_controller.errors import GhcError
+    import ghc_controller as ghc
+    from benchmarks.steps.session import run_session
     from ghc_controller.ros.stop_signals import interrupt_on_stop_signals
     from tools.workspace.errors import SetupError
 
     interrupt_on_stop_signals()
     try:
         run_session(options, ROOT)
-    except (GhcError, SetupError) as error:
+    except (ghc.GhcError, SetupError) as error:
         print(f"bench: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -21,9 +21,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """0 = every study was run, 1 = something is missing (said in one line)."""
     for name in _THREADS:  # before NumPy is imported
         os.environ.setdefault(name, "1")
+    import ghc_controller as ghc
     from benchmarks.studies import load_studies
     from benchmarks.study_results import store, write_document
-    from ghc_controller.errors import GhcError
     from tools.workspace.errors import SetupError
 
     studies = load_studies()
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             begin = time.monotonic()
             result = store(folder, name, study.run(options.quick, formulations))
             print(f"{study.table(result)}\n({time.monotonic() - begin:.0f} s)\n", flush=True)
-    except (GhcError, SetupError) as error:
+    except (ghc.GhcError, SetupError) as error:
         print(f"study: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

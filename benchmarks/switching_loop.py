@@ -10,20 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ghc_controller.controller import Controller
-from ghc_controller.formulations import FormulationSettings
-from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
+import ghc_controller as ghc
 from ghc_controller.hierarchy.levels import levels
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.report.report import StepStatus
-from ghc_controller.settings import Settings
 from ghc_controller.types import Array
+from ghc_sim_bridge import SimulationDiverged, Simulator
 from ghc_sim_bridge.analysis.metrics import jerk_integral, peak_torque_rate
-from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.scenario.plan import PlannedPhase, RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
-from ghc_sim_bridge.simulation.simulator import Simulator
 
 SCENARIO = "priority_switching"
 _CALM = 3.0  # [s] at the end of a phase over which the speed is averaged
@@ -46,7 +40,7 @@ def make_run(timing: Timing) -> RunPlan:
 
 
 def run_phases(
-    formulation: str, optimization: FormulationSettings, timing: Timing
+    formulation: str, optimization: ghc.FormulationSettings, timing: Timing
 ) -> dict[str, Any]:
     """Figures by phase: errors of the tasks, speed, torque rate and jerk integral.
 
@@ -58,7 +52,7 @@ def run_phases(
     _schedule(controller, simulator, plan)
     torque, velocity, acceleration = [], [], []
     errors: list[dict[str, float]] = []
-    status: Counter[str] = Counter({s.name: 0 for s in StepStatus})
+    status: Counter[str] = Counter({s.name: 0 for s in ghc.StepStatus})
     qps, diverged = 0, None
     for phase in plan.phases:
         while simulator.time < phase.end - 1e-9 and diverged is None:
@@ -90,19 +84,21 @@ def run_phases(
     }
 
 
-def _controller(plan: RunPlan, formulation: str, optimization: FormulationSettings) -> Controller:
+def _controller(
+    plan: RunPlan, formulation: str, optimization: ghc.FormulationSettings
+) -> ghc.Controller:
     parameters = plan.scenario.parameters["controller"]
-    settings = Settings(
+    settings = ghc.Settings(
         formulation=formulation,
         control_dt=plan.control_dt,
         velocity_limit=parameters["velocity_limit"],
         torque_rate_limit=plan.scenario.torque_rate_limit,
         optimization=optimization,
     )
-    return Controller.for_robot(plan.scenario.robot, settings)
+    return ghc.Controller.for_robot(plan.scenario.robot, settings)
 
 
-def target_references(controller: Controller) -> Iterator[ReferenceTrajectory]:
+def target_references(controller: ghc.Controller) -> Iterator[ghc.ReferenceTrajectory]:
     """The static targets of the scenario."""
     joints = controller.model.joint_names
     for reference in load_scenario(SCENARIO).references:
@@ -110,24 +106,24 @@ def target_references(controller: Controller) -> Iterator[ReferenceTrajectory]:
         target = np.array(reference.points[0].position)
         if reference.joints:
             target = target[[reference.joints.index(name) for name in joints]]
-        yield ReferenceTrajectory.static(task, task.static_target(target))
+        yield ghc.ReferenceTrajectory.static(task, task.static_target(target))
 
 
-def _schedule(controller: Controller, simulator: Simulator, plan: RunPlan) -> None:
+def _schedule(controller: ghc.Controller, simulator: Simulator, plan: RunPlan) -> None:
     """Send all targets and transitions, as an experiment does before time runs."""
     controller.observe(simulator.state())
     for reference in target_references(controller):
         controller.add_reference(reference)
     for planned in plan.phases:
         text = planned.phase.hierarchy
-        matrix = matrix_from_hierarchy(controller.robot.task_names, text)
-        transition = Transition(matrix, planned.start, planned.ramp, hierarchy=text)
+        matrix = ghc.matrix_from_hierarchy(controller.robot.task_names, text)
+        transition = ghc.Transition(matrix, planned.start, planned.ramp, hierarchy=text)
         controller.add_transition(transition, 0.0)
 
 
-def _first_task(controller: Controller, planned: PlannedPhase) -> str:
+def _first_task(controller: ghc.Controller, planned: PlannedPhase) -> str:
     names = controller.robot.task_names
-    return names[levels(matrix_from_hierarchy(names, planned.phase.hierarchy).alpha)[0][0]]
+    return names[levels(ghc.matrix_from_hierarchy(names, planned.phase.hierarchy).alpha)[0][0]]
 
 
 def _figures(

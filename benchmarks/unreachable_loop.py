@@ -6,13 +6,9 @@ from typing import Any
 
 import numpy as np
 
+import ghc_controller as ghc
 from benchmarks.switching_loop import Timing, make_run, target_references
-from ghc_controller.controller import Controller
-from ghc_controller.formulations import FormulationSettings
-from ghc_controller.hierarchy import Transition, matrix_from_hierarchy
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import Settings
-from ghc_sim_bridge.simulation.simulator import Simulator
+from ghc_sim_bridge import Simulator
 
 TARGET = (1.1, 0.5, 1.1)  # [m] of the end effector: 0.58 m out of reach
 HIERARCHY = "end_effector > elbow > posture"
@@ -22,7 +18,7 @@ _CALM = 3.0  # [s] at the end of a run
 
 
 def run_unreachable(
-    formulation: str, optimization: FormulationSettings, duration: float
+    formulation: str, optimization: ghc.FormulationSettings, duration: float
 ) -> dict[str, Any]:
     """Figures of one run from rest, torque rate limit off, velocity limit of the scenario.
 
@@ -31,23 +27,23 @@ def run_unreachable(
         abs(v) over the last 3 s), jerk: sum of abs(change of acceleration) [rad/s^2].
     """
     plan = make_run(Timing())
-    settings = Settings(
+    settings = ghc.Settings(
         formulation=formulation,
         control_dt=_DT,
         velocity_limit=plan.scenario.parameters["controller"]["velocity_limit"],
         torque_rate_limit=0.0,
         optimization=optimization,
     )
-    controller = Controller.for_robot(plan.scenario.robot, settings)
+    controller = ghc.Controller.for_robot(plan.scenario.robot, settings)
     simulator = Simulator(plan.scenario.scene, joint_names=controller.model.joint_names)
     controller.observe(simulator.state())
     for reference in target_references(controller):
         controller.add_reference(reference)
     task = controller.references.task(_TASK)
     target = task.static_target(np.array(TARGET))
-    controller.add_reference(ReferenceTrajectory.static(task, target))
-    matrix = matrix_from_hierarchy(controller.robot.task_names, HIERARCHY)
-    controller.add_transition(Transition(matrix, 0.0, 0.0, hierarchy=HIERARCHY), 0.0)
+    controller.add_reference(ghc.ReferenceTrajectory.static(task, target))
+    matrix = ghc.matrix_from_hierarchy(controller.robot.task_names, HIERARCHY)
+    controller.add_transition(ghc.Transition(matrix, 0.0, 0.0, hierarchy=HIERARCHY), 0.0)
     torque, velocity, acceleration = [], [], []
     for _ in range(round(duration / _DT)):
         result = controller.step(simulator.state())

@@ -11,18 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.controller import Controller
-from ghc_controller.hierarchy import (
-    Candidate,
-    Priorities,
-    Profile,
-    Transition,
-    matrix_from_hierarchy,
-)
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.robot.robot import Robot
+import ghc_controller as ghc
+from ghc_controller.hierarchy import Candidate
 from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
-from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
 
 ROBOT = SCENE = "icub_upper_body"
@@ -40,7 +31,7 @@ _STRETCHED = np.array([-0.215, -0.13, 0.125])  # [m] elbow when the arm is stret
 _REACH = np.array([-0.09, 0.0, 0.0])  # [m] from the start of the hand to its target of case 3
 
 Knots = tuple[tuple[float, Array], ...]  # [s], [m]; at rest in each
-Act = Callable[[Controller, float, float], None]  # controller, time [s], gap of the elbow [m]
+Act = Callable[[ghc.Controller, float, float], None]  # controller, time [s], gap of the elbow [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +47,7 @@ class Case:
     schedule: Callable[[], Act] = lambda: _nothing
 
 
-def prepare(case: Case, controller: Controller) -> None:
+def prepare(case: Case, controller: ghc.Controller) -> None:
     """Give an observed controller the motions of a case."""
     robot = controller.robot
     for name in AVOIDANCE:
@@ -66,26 +57,26 @@ def prepare(case: Case, controller: Controller) -> None:
         controller.add_reference(_path(robot, "hand", case.hand, start))
 
 
-def elbow_gap(controller: Controller, time: float) -> float:
+def elbow_gap(controller: ghc.Controller, time: float) -> float:
     """Distance of the elbow from the obstacle at the last observed state [m]."""
     task = _task(controller.robot, "elbow_avoidance")
     assert isinstance(task, FrameAvoidanceTask)
     return task.gap(controller.model, controller.references.current(task.name, time))
 
 
-def _task(robot: Robot, name: str) -> Task:
+def _task(robot: ghc.Robot, name: str) -> ghc.Task:
     return robot.tasks[robot.task_names.index(name)]
 
 
-def _path(robot: Robot, task: str, knots: Knots, origin: Array) -> ReferenceTrajectory:
+def _path(robot: ghc.Robot, task: str, knots: Knots, origin: Array) -> ghc.ReferenceTrajectory:
     """Minimum-jerk motion from knot to knot: quintic, at rest in each."""
     points = np.array([origin + point for _, point in knots])
     still = np.zeros_like(points)
     times = np.array([time for time, _ in knots])
-    return ReferenceTrajectory.for_task(_task(robot, task), times, points, still, still)
+    return ghc.ReferenceTrajectory.for_task(_task(robot, task), times, points, still, still)
 
 
-def _nothing(controller: Controller, time: float, gap: float) -> None:
+def _nothing(controller: ghc.Controller, time: float, gap: float) -> None:
     """A constant order."""
 
 
@@ -93,13 +84,15 @@ def _by_distance() -> Act:
     """Case 2: the share of the order without the hand follows the gap of the elbow (eq. 11)."""
     alphas: list[Array] = []
 
-    def act(controller: Controller, time: float, gap: float) -> None:  # noqa: ARG001
+    def act(controller: ghc.Controller, time: float, gap: float) -> None:  # noqa: ARG001
         if not alphas:
             names = controller.robot.task_names
-            alphas.extend(matrix_from_hierarchy(names, text).alpha for text in (FULL, RELEASED))
-        s = Profile.MINIMUM_JERK.progress((_NEAR - gap) / (_NEAR - _NEAREST))
+            alphas.extend(
+                ghc.matrix_from_hierarchy(names, text).alpha for text in (FULL, RELEASED)
+            )
+        s = ghc.Profile.MINIMUM_JERK.progress((_NEAR - gap) / (_NEAR - _NEAREST))
         shares = zip(alphas, (1.0 - s, s), strict=True)
-        controller.priorities.in_force = Priorities.mixed(
+        controller.priorities.in_force = ghc.Priorities.mixed(
             Candidate(alpha, share) for alpha, share in shares if share > 0.0
         )
 
@@ -107,20 +100,20 @@ def _by_distance() -> Act:
 
 
 def _ramp(
-    controller: Controller, hierarchy: str, time: float, duration: float, kind: Profile
+    controller: ghc.Controller, hierarchy: str, time: float, duration: float, kind: ghc.Profile
 ) -> None:
-    target = matrix_from_hierarchy(controller.robot.task_names, hierarchy)
-    controller.add_transition(Transition(target, time, duration, kind), time)
+    target = ghc.matrix_from_hierarchy(controller.robot.task_names, hierarchy)
+    controller.add_transition(ghc.Transition(target, time, duration, kind), time)
 
 
 def _timed() -> Act:
     """Case 2 with the same ramp for every formulation."""
     left = [(1.0, RELEASED, 1.0), (3.2, FULL, 1.5)]
 
-    def act(controller: Controller, time: float, gap: float) -> None:  # noqa: ARG001
+    def act(controller: ghc.Controller, time: float, gap: float) -> None:  # noqa: ARG001
         if left and time >= left[0][0]:
             start, hierarchy, duration = left.pop(0)
-            _ramp(controller, hierarchy, start, duration, Profile.MINIMUM_JERK)
+            _ramp(controller, hierarchy, start, duration, ghc.Profile.MINIMUM_JERK)
 
     return act
 
@@ -129,12 +122,12 @@ def _reactive() -> Act:
     """Case 3: release the waist; at the obstacle leave that ramp for the third order."""
     phase = [0]
 
-    def act(controller: Controller, time: float, gap: float) -> None:
+    def act(controller: ghc.Controller, time: float, gap: float) -> None:
         triggers = (time > 1.6, gap < _NEAR, time > 6.4)
         ramps = ((REACHING, 2.0), (YIELDING, 0.6), (REACHING, 1.95))
         if phase[0] < 3 and triggers[phase[0]]:
             hierarchy, duration = ramps[phase[0]]
-            _ramp(controller, hierarchy, time, duration, Profile.COSINE)
+            _ramp(controller, hierarchy, time, duration, ghc.Profile.COSINE)
             phase[0] += 1
 
     return act

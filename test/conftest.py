@@ -65,6 +65,11 @@ class RunningNode:
         return self._process.exit_code
 
     @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    @property
     def output(self) -> str:
         """All that it printed so far, standard output and standard error."""
         return self._process.log.read_text(encoding="utf-8", errors="replace")

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
+import ghc_controller as ghc
 from benchmarks.models import install_model
 from ghc_controller.kinematics import KinematicSettings, Level, TaskSolver
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.tasks.center_of_mass import CenterOfMassTask
 from ghc_controller.tasks.frame_pose import FramePoseTask
 from ghc_controller.tasks.frame_position import FramePositionTask
@@ -42,7 +41,7 @@ _POSTURE = {  # [rad] both sides; all other joints 0
 def icub() -> tuple[RobotModel, Array]:
     """The robot on a floating base and its first configuration (nq,)."""
     install_model("icub-models")
-    model = load_robot_config(find_robot("icub")).model
+    model = ghc.load_robot("icub").model
     q = np.zeros(model.nq)
     q[6] = 1.0
     for joint, angle in _POSTURE.items():

@@ -22,8 +22,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """0 = everything was run, 1 = something is missing (said in one line)."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):  # before NumPy is imported
         os.environ.setdefault(name, "1")
+    import ghc_controller as ghc
     from benchmarks.kinematics.document import write_document
-    from ghc_controller.errors import GhcError
     from tools.workspace.errors import SetupError
 
     options = _parser().parse_args(arguments)
@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for test in options.tests or range(1, 21):
                 _run_test(test, options.variant, options.quick, results)
                 _store(results, path)
-    except (GhcError, SetupError) as error:
+    except (ghc.GhcError, SetupError) as error:
         print(f"kinematics: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

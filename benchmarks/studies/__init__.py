@@ -1,4 +1,4 @@
-"""The studies: one module each, found by being here.
+"""The studies: one module each, found by being here or in a folder below.
 
 A study has NAME, TITLE, FORMULATIONS (those it is about), `run(quick, formulations)`, which
 returns {"facts": sizes and seeds, "formulations": {name: figures}}, all JSON values, and
@@ -53,7 +53,8 @@ class StudyWithPage(Study, Protocol):
 def load_studies() -> dict[str, Study]:
     """All studies by name, in alphabetical order."""
     modules = (
-        importlib.import_module(f"{__name__}.{entry.name}")
-        for entry in pkgutil.iter_modules(__path__)
+        importlib.import_module(entry.name)
+        for entry in pkgutil.walk_packages(__path__, f"{__name__}.")
+        if not entry.ispkg
     )
     return {module.NAME: module for module in modules}

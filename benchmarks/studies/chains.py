@@ -8,15 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.chains import SEED, chain_controller, chain_problems
-from benchmarks.problem_check import violation
+import ghc_controller as ghc
+from benchmarks.problems.chains import SEED, chain_controller, chain_problems
+from benchmarks.problems.problem_check import violation
 from benchmarks.study_results import shown, shown_spread, spread
-from ghc_controller.formulations import (
-    ControlProblem,
-    Formulation,
-    SolutionStatus,
-    make_formulation,
-)
 from ghc_controller.qp import SolverSettings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
@@ -33,8 +28,8 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     joints, count = (_QUICK_JOINTS, _QUICK) if quick else (_JOINTS, _COUNT)
     found: dict[str, dict[str, Any]] = {name: {} for name in formulations}
     for size in joints:
-        controller, free = chain_controller(size), make_formulation("cascade")
-        solvers = {name: make_formulation(name) for name in formulations}
+        controller, free = chain_controller(size), ghc.make_formulation("cascade")
+        solvers = {name: ghc.make_formulation(name) for name in formulations}
         records: dict[tuple[str, str], _Record] = defaultdict(_Record)
         for number, case in enumerate(chain_problems(controller, free, count)):
             for name, formulation in solvers.items():
@@ -51,14 +46,14 @@ class _Record:
     """What one formulation did on one kind of problems."""
 
     def __init__(self) -> None:
-        self.status: Counter[str] = Counter({s.name: 0 for s in SolutionStatus})
+        self.status: Counter[str] = Counter({s.name: 0 for s in ghc.SolutionStatus})
         self.pivots: list[int] = []
         self.times: list[float] = []  # [ms]
         self.active: list[int] = []
         self.worst = 0.0
         self.beyond_cap = 0
 
-    def add(self, formulation: Formulation, problem: ControlProblem) -> None:
+    def add(self, formulation: ghc.Formulation, problem: ghc.ControlProblem) -> None:
         """Solve one problem as a control step does."""
         formulation.solver.begin_step()
         begin = thread_time()
@@ -68,7 +63,7 @@ class _Record:
         self.pivots.append(used)
         self.beyond_cap += used > CAP
         self.status[solution.status.name] += 1
-        if solution.status is SolutionStatus.SOLVED:
+        if solution.status is ghc.SolutionStatus.SOLVED:
             self.worst = max(self.worst, violation(problem, solution))
             self.active.append(_active(problem, solution.acceleration))
 
@@ -83,7 +78,7 @@ class _Record:
         }
 
 
-def _active(problem: ControlProblem, acceleration: np.ndarray) -> int:
+def _active(problem: ghc.ControlProblem, acceleration: np.ndarray) -> int:
     """Bounds on accelerations and torques that are met with equality, to 1e-6 of their width."""
     count = 0
     torque = problem.mass_matrix @ acceleration + problem.bias
@@ -98,13 +93,18 @@ def _active(problem: ControlProblem, acceleration: np.ndarray) -> int:
 def table(result: dict[str, Any]) -> str:
     """One line per formulation and kind of problem."""
     facts = result["facts"]
-    head = ["formulation", "problems", *(status.name for status in SolutionStatus), "beyond cap"]
+    head = [
+        "formulation",
+        "problems",
+        *(status.name for status in ghc.SolutionStatus),
+        "beyond cap",
+    ]
     head += ["pivots of a step", "active bounds", "worst violation [rad/s^2, Nm]", "CPU [ms]"]
     lines = []
     for name, kinds in result["formulations"].items():
         for kind, row in kinds.items():
             cells = [
-                *(name, kind, *(str(row["status"][s.name]) for s in SolutionStatus)),
+                *(name, kind, *(str(row["status"][s.name]) for s in ghc.SolutionStatus)),
                 *(str(row["beyond_cap"]), shown_spread(row["pivots"])),
                 *(shown_spread(row["active"]), shown(row["worst_violation"], ".1e")),
                 shown_spread(row["cpu_ms"]),

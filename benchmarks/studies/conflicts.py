@@ -7,18 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.conflicting_targets import APART, Pair, conflicting_pairs
+import ghc_controller as ghc
 from benchmarks.models import STUDY_ROBOTS, install_study_model
+from benchmarks.problems.conflicting_targets import APART, Pair, conflicting_pairs
 from benchmarks.study_results import shown, shown_spread, spread
-from ghc_controller.controller import Controller
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.report.report import StepStatus
-from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.settings import Settings
-from ghc_sim_bridge.errors import SimulationDiverged
+from ghc_sim_bridge import SimulationDiverged, Simulator
 from ghc_sim_bridge.programs.markdown import table as markdown_table
-from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "conflicts"
 TITLE = "Two conflicting targets: do arms come to rest?"
@@ -43,7 +37,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     found: dict[str, dict[str, Any]] = {name: {} for name in formulations}
     apart = {}
     for arm in arms:
-        robot = load_robot_config(find_robot(_ARMS[arm][0]))
+        robot = ghc.load_robot(_ARMS[arm][0])
         pairs = conflicting_pairs(robot, count, _SEED)
         apart[arm] = spread([pair.apart for pair in pairs])
         for name in formulations:
@@ -56,7 +50,7 @@ def _of_arm(
     arm: str, formulation: str, pairs: list[Pair], window: tuple[float, float]
 ) -> dict[str, Any]:
     robot, scene = _ARMS[arm]
-    controller = Controller.for_robot(robot, Settings(formulation=formulation))
+    controller = ghc.Controller.for_robot(robot, ghc.Settings(formulation=formulation))
     simulator = Simulator(scene, joint_names=controller.model.joint_names)
     steps, speeds, unsolved, diverged = [], [], 0, 0
     for pair in pairs:
@@ -77,7 +71,7 @@ def _of_arm(
 
 
 def _rest(
-    controller: Controller, simulator: Simulator, pair: Pair, window: tuple[float, float]
+    controller: ghc.Controller, simulator: Simulator, pair: Pair, window: tuple[float, float]
 ) -> tuple[float, float, int]:
     """Largest torque step [Nm per ms], joint speed [rad/s] and unsolved ticks in the window."""
     simulator.reset()
@@ -85,7 +79,7 @@ def _rest(
     state = simulator.state()
     controller.observe(state)
     for task, target in zip(controller.robot.tasks, (pair.upper, pair.lower), strict=False):
-        controller.add_reference(ReferenceTrajectory.static(task, task.static_target(target)))
+        controller.add_reference(ghc.ReferenceTrajectory.static(task, task.static_target(target)))
     previous = np.zeros(controller.model.na)
     step = speed = 0.0
     unsolved = 0
@@ -94,7 +88,7 @@ def _rest(
         if state.time >= window[0]:
             step = max(step, float(np.abs(result.torque - previous).max()))
             speed = max(speed, float(np.abs(state.v).max()))
-            unsolved += result.status is not StepStatus.SOLVED
+            unsolved += result.status is not ghc.StepStatus.SOLVED
         previous = result.torque.copy()
         simulator.step(result.torque)
         state = simulator.state()

@@ -7,9 +7,9 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
+import ghc_controller as ghc
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import Timing, run_phases
-from ghc_controller.formulations import FormulationSettings
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
@@ -43,7 +43,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _run(formulation: str, w: float, kd: float, timing: Timing) -> dict[str, Any]:
-    settings = FormulationSettings(regularization=w, velocity_damping=kd)
+    settings = ghc.FormulationSettings(regularization=w, velocity_damping=kd)
     result = run_phases(formulation, settings, timing)
     row: dict[str, Any] = {"w": w, "kd": kd, "diverged_at_s": result["diverged_at_s"]}
     phases = result["phases"]

@@ -6,17 +6,9 @@ from typing import Any
 
 import numpy as np
 
+import ghc_controller as ghc
 from benchmarks.study_results import shown
-from ghc_controller.controller import Controller
-from ghc_controller.formulations import ControlProblem, FormulationSettings, make_formulation
-from ghc_controller.hierarchy import (
-    Priorities,
-    generalized_projectors,
-    smallest_singular_value,
-)
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import Settings
-from ghc_controller.types import Bounds, RobotState
+from ghc_controller.hierarchy import generalized_projectors, smallest_singular_value
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "duplicates"
@@ -41,7 +33,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     }
     found = {}
     for name in formulations:
-        solution = make_formulation(name, FormulationSettings(_DAMPING)).solve(problem)
+        solution = ghc.make_formulation(name, ghc.FormulationSettings(_DAMPING)).solve(problem)
         rest = np.split(
             problem.jacobian @ solution.acceleration - problem.target, problem.starts[1:-1]
         )
@@ -52,17 +44,19 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     return {"facts": facts, "formulations": found}
 
 
-def _duplicate() -> ControlProblem:
+def _duplicate() -> ghc.ControlProblem:
     """Two equal tasks, strictly above each other, and a free one; all can be met together."""
     rng = np.random.default_rng(_SEED)
     J, x = rng.normal(size=(2, 7)), rng.normal(size=7)
     jacobian = np.ascontiguousarray(np.vstack([J, J, np.eye(7)[:2]]))
-    free = Bounds(np.full(7, -np.inf), np.full(7, np.inf))
-    return ControlProblem(
+    free = ghc.Bounds(np.full(7, -np.inf), np.full(7, np.inf))
+    return ghc.ControlProblem(
         jacobian=jacobian,
         target=jacobian @ x,
         starts=np.array([0, 2, 4, 6], dtype=np.int64),
-        priorities=Priorities.of(np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])),
+        priorities=ghc.Priorities.of(
+            np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        ),
         velocity=np.zeros(7),
         mass_matrix=np.eye(7),
         bias=np.zeros(7),
@@ -74,14 +68,14 @@ def _duplicate() -> ControlProblem:
 
 def _far(formulation: str, size: float) -> str:
     """Status of one step of the arm whose hand is asked to be `size` meters away."""
-    controller = Controller.for_robot("kuka_lwr", Settings(formulation=formulation))
-    state = RobotState(0.0, np.full(7, 0.4), np.zeros(7))
+    controller = ghc.Controller.for_robot("kuka_lwr", ghc.Settings(formulation=formulation))
+    state = ghc.RobotState(0.0, np.full(7, 0.4), np.zeros(7))
     controller.observe(state)
     task = controller.robot.tasks[0]
     target = task.static_target(np.array([size, 0.0, 0.0]))
-    controller.add_reference(ReferenceTrajectory.static(task, target))
+    controller.add_reference(ghc.ReferenceTrajectory.static(task, target))
     held = controller.model.dynamics.bias.copy()
-    result = controller.step(RobotState(0.0, state.q, state.v, torque=held))
+    result = controller.step(ghc.RobotState(0.0, state.q, state.v, torque=held))
     finite = "" if np.isfinite(result.torque).all() else ", not finite"
     return result.status.name + finite
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.plain_problems import cells, control_problem, rounded, spread
-from ghc_controller.formulations import Formulation, FormulationSettings, make_formulation
+import ghc_controller as ghc
+from benchmarks.problems.plain_problems import cells, control_problem, rounded, spread
 
 if TYPE_CHECKING:
     from reference.hard_cascade import Reference
@@ -35,8 +35,8 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     from reference.hard_cascade import hard_cascade, kept_damping
     from reference.problems import MASS_CONDITION, SINGULAR_VALUES, well_scaled
 
-    settings = FormulationSettings(regularization=DAMPING)
-    solvers = {name: make_formulation(name, settings) for name in formulations}
+    settings = ghc.FormulationSettings(regularization=DAMPING)
+    solvers = {name: ghc.make_formulation(name, settings) for name in formulations}
     kept = kept_damping(DAMPING)  # each is compared under its own damping
     rules = {name: kept if name == "cascade" else DAMPING for name in formulations}
     rules["reference"] = DAMPING
@@ -74,7 +74,7 @@ class _Record:
         self.excess: defaultdict[str, list[float]] = defaultdict(list)
         self.violation: defaultdict[str, float] = defaultdict(float)
 
-    def add(self, formulation: Formulation, plain: Plain, reference: Reference) -> None:
+    def add(self, formulation: ghc.Formulation, plain: Plain, reference: Reference) -> None:
         """Solve one problem."""
         from reference.plain import violations
 

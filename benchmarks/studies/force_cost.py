@@ -6,15 +6,12 @@ from typing import Any
 
 import numpy as np
 
+import ghc_controller as ghc
 from benchmarks.icub_states import SCENE
 from benchmarks.models import install_model
 from benchmarks.study_results import shown
-from ghc_controller.controller import Controller
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.settings import Settings
-from ghc_controller.types import RobotState
+from ghc_sim_bridge import Simulator
 from ghc_sim_bridge.programs.markdown import table as markdown_table
-from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "force_cost"
 TITLE = "Force cost against tasks, iCub standing still"
@@ -39,19 +36,19 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _standing(formulation: str, hierarchy: str) -> dict[str, Any]:
-    controller = Controller.for_robot(
+    controller = ghc.Controller.for_robot(
         "icub",
-        Settings(formulation=formulation, torque_rate_limit=0.0, hierarchy=hierarchy),
+        ghc.Settings(formulation=formulation, torque_rate_limit=0.0, hierarchy=hierarchy),
     )
     model = controller.model
     q = Simulator(SCENE, joint_names=model.joint_names).start
     still = np.zeros(model.nv)
-    controller.observe(RobotState(0.0, q, still))
+    controller.observe(ghc.RobotState(0.0, q, still))
     for task in controller.robot.tasks:
         target = task.static_target(np.array(task.current(model)))
-        controller.add_reference(ReferenceTrajectory.static(task, target))
+        controller.add_reference(ghc.ReferenceTrajectory.static(task, target))
     for step in range(_STEPS):
-        result = controller.step(RobotState(1e-3 * step, q, still))
+        result = controller.step(ghc.RobotState(1e-3 * step, q, still))
     problem, x = controller.problem(), result.solution.acceleration
     settled = {}
     for i, task in enumerate(controller.robot.tasks):

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.plain_problems import control_problem, rounded
-from ghc_controller.formulations import Formulation, FormulationSettings, make_formulation
+import ghc_controller as ghc
+from benchmarks.problems.plain_problems import control_problem, rounded
 from ghc_controller.qp import SolverSettings
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     from reference.feasibility import margin
     from reference.hard_problems import hard_problems
 
-    settings = FormulationSettings(regularization=DAMPING)
-    solvers = {name: make_formulation(name, settings) for name in formulations}
+    settings = ghc.FormulationSettings(regularization=DAMPING)
+    solvers = {name: ghc.make_formulation(name, settings) for name in formulations}
     records = {name: _Record() for name in formulations}
     count, feasible = _QUICK if quick else _ALL, 0
     for index, (kind, plain) in enumerate(hard_problems(count)):
@@ -67,7 +67,7 @@ class _Record:
         self.slowest = 0.0  # [s]
         self.worst: list[tuple[float, str, str]] = []  # violation, row, problem
 
-    def add(self, formulation: Formulation, plain: Plain, label: str, feasible: bool) -> None:
+    def add(self, formulation: ghc.Formulation, plain: Plain, label: str, feasible: bool) -> None:
         """Solve one problem."""
         from reference.plain import violations
 

@@ -6,11 +6,10 @@ from collections import Counter
 from time import thread_time
 from typing import Any
 
+import ghc_controller as ghc
 from benchmarks.icub_states import SEED, icub_controller, ten_task_problem, ten_task_states
-from benchmarks.problem_check import is_feasible, violation
+from benchmarks.problems.problem_check import is_feasible, violation
 from benchmarks.study_results import shown, spread
-from ghc_controller.formulations import SolutionStatus, make_formulation
-from ghc_controller.settings import Settings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "icub_ten_tasks"
@@ -23,9 +22,9 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     """Every formulation on the same problems; feasibility by an independent linear program."""
     count = _QUICK if quick else _STATES
     controller = icub_controller("hqp")  # it only sets up the problems
-    settings = Settings().optimization
-    solvers = {name: make_formulation(name, settings) for name in formulations}
-    status = {name: Counter({s.name: 0 for s in SolutionStatus}) for name in formulations}
+    settings = ghc.Settings().optimization
+    solvers = {name: ghc.make_formulation(name, settings) for name in formulations}
+    status = {name: Counter({s.name: 0 for s in ghc.SolutionStatus}) for name in formulations}
     wrong = dict.fromkeys(formulations, 0)
     worst = dict.fromkeys(formulations, 0.0)
     times: dict[str, list[float]] = {name: [] for name in formulations}
@@ -41,7 +40,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
             solution = formulation.solve(problem)
             times[name].append(1e3 * (thread_time() - begin))
             status[name][solution.status.name] += 1
-            if solution.status is SolutionStatus.SOLVED:
+            if solution.status is ghc.SolutionStatus.SOLVED:
                 worst[name] = max(worst[name], violation(problem, solution))
             else:
                 wrong[name] += possible
@@ -65,7 +64,7 @@ def table(result: dict[str, Any]) -> str:
     facts = result["facts"]
     lines = []
     for name, row in result["formulations"].items():
-        counts = [str(row["status"][status.name]) for status in SolutionStatus]
+        counts = [str(row["status"][status.name]) for status in ghc.SolutionStatus]
         cpu = row["cpu_ms"]
         lines.append(
             [
@@ -73,7 +72,7 @@ def table(result: dict[str, Any]) -> str:
                 f"{shown(cpu['median'])} / {shown(cpu['p95'])} / {shown(cpu['max'])}",
             ]
         )
-    head = ["formulation", *(status.name for status in SolutionStatus), "wrong"]
+    head = ["formulation", *(status.name for status in ghc.SolutionStatus), "wrong"]
     head += ["worst violation of SOLVED [rad/s^2, Nm, N]", "CPU median / p95 / max [ms]"]
     return (
         f"{facts['states']} states at rest (seed {facts['seed']}), arms, torso and neck moved, "

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import ghc_controller as ghc
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import Timing, run_phases
-from ghc_controller.formulations import DEFAULT_FORMULATION, FormulationSettings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
+
+_DEFAULT = ghc.Settings().formulation
 
 NAME = "phases"
 TITLE = "KUKA, five phases of priority_switching"
@@ -22,18 +24,18 @@ class Variant(NamedTuple):
     """Settings of one run beside the formulation."""
 
     title: str
-    settings: FormulationSettings
+    settings: ghc.FormulationSettings
     at_once: bool = False
 
 
-_DEFAULTS = (Variant("defaults", FormulationSettings()),)
-_PAPER = FormulationSettings(velocity_damping=0.0)
+_DEFAULTS = (Variant("defaults", ghc.FormulationSettings()),)
+_PAPER = ghc.FormulationSettings(velocity_damping=0.0)
 _BASELINE = "at once, damped as in the literature"  # the hqp of the goals
-_BRAKED = FormulationSettings(hqp_damps_velocity=True)
+_BRAKED = ghc.FormulationSettings(hqp_damps_velocity=True)
 _VARIANTS = {
     "ghc": (*_DEFAULTS, Variant("as in the paper", _PAPER)),
     "hqp": (
-        Variant(_BASELINE, FormulationSettings(), at_once=True),
+        Variant(_BASELINE, ghc.FormulationSettings(), at_once=True),
         Variant("at once, hqp_damps_velocity", _BRAKED, at_once=True),
     ),
 }
@@ -98,9 +100,7 @@ _FORMS = {"speed": ".1e", "torque_rate": ".0f", "jerk": ".0f"}
 def _goals(found: dict[str, Any]) -> list[list[str]]:
     """Goals whose figures are there."""
     phases = [
-        variants["defaults"]["phases"]
-        for name, variants in found.items()
-        if name == DEFAULT_FORMULATION
+        variants["defaults"]["phases"] for name, variants in found.items() if name == _DEFAULT
     ]
     if not phases or len(phases[0]) <= _SWITCH:
         return []
@@ -115,7 +115,12 @@ def _goals(found: dict[str, Any]) -> list[list[str]]:
         worst = max(phase[key] for phase in part)
         mark = "met" if worst <= GOALS[key] else "missed"
         lines.append(
-            [f"{DEFAULT_FORMULATION}: {what}", f"at most {GOALS[key]:g}", f"{worst:.3g}", mark]
+            [
+                f"{_DEFAULT}: {what}",
+                f"at most {GOALS[key]:g}",
+                f"{worst:.3g}",
+                mark,
+            ]
         )
     for title, other in found.get("hqp", {}).items():
         if len(other["phases"]) <= _SWITCH:
@@ -128,7 +133,7 @@ def _goals(found: dict[str, Any]) -> list[list[str]]:
                 mark = "met" if ratio >= RATIO_GOALS[key] else "missed"
             lines.append(
                 [
-                    f"hqp, {title}: {what} of phase 2, over {DEFAULT_FORMULATION}",
+                    f"hqp, {title}: {what} of phase 2, over {_DEFAULT}",
                     goal,
                     f"{ratio:.3g}",
                     mark,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import ghc_controller as ghc
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import Timing, run_phases
 from benchmarks.unreachable_loop import run_unreachable
-from ghc_controller.formulations import FormulationSettings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "second_order"
@@ -37,7 +37,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 def _run(
     name: str, second_order: bool, kd: float, timing: Timing, duration: float
 ) -> dict[str, Any]:
-    settings = FormulationSettings(velocity_damping=kd, second_order=second_order)
+    settings = ghc.FormulationSettings(velocity_damping=kd, second_order=second_order)
     switching = run_phases(name, settings, timing)
     row: dict[str, Any] = {"second_order": second_order, "kd": kd}
     phases = switching["phases"]

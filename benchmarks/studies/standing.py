@@ -7,13 +7,11 @@ from typing import Any
 
 import numpy as np
 
+import ghc_controller as ghc
 from benchmarks.icub_states import SCENE, icub_controller
 from benchmarks.study_results import shown
-from ghc_controller.references.reference import ReferenceTrajectory
-from ghc_controller.report.report import StepStatus
-from ghc_sim_bridge.errors import SimulationDiverged
+from ghc_sim_bridge import SimulationDiverged, Simulator
 from ghc_sim_bridge.programs.markdown import table as markdown_table
-from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "standing"
 TITLE = "iCub standing, center of mass moved"
@@ -51,7 +49,7 @@ def _loop(
     simulator = Simulator(SCENE, joint_names=controller.model.joint_names)
     start = simulator.state()
     controller.observe(start)
-    status: Counter[str] = Counter({s.name: 0 for s in StepStatus})
+    status: Counter[str] = Counter({s.name: 0 for s in ghc.StepStatus})
     ticks, without_qp, fell = 0, 0, None
     steps: list[float] = []
     previous = None
@@ -60,7 +58,7 @@ def _loop(
         if tick == before:
             task = controller.references.task(_TASK)
             goal = np.array(task.current(controller.model)) + np.array(shift)
-            reference = ReferenceTrajectory.static(task, task.static_target(goal), state.time)
+            reference = ghc.ReferenceTrajectory.static(task, task.static_target(goal), state.time)
             controller.add_reference(reference)
         result = controller.step(state)
         ticks += 1
@@ -99,14 +97,14 @@ def table(result: dict[str, Any]) -> str:
                 [
                     *(name, title, shown(row["error_m"], ".1e")),
                     f"{100.0 * row['without_qp']:.1f}",
-                    *(str(row["status"][status.name]) for status in StepStatus),
+                    *(str(row["status"][status.name]) for status in ghc.StepStatus),
                     f"{first:.3f} / {last:.3f}",
                     "-" if row["fell_at_s"] is None else f"{row['fell_at_s']:.2f}",
                     shown(row["largest_torque_step_nm"]),
                 ]
             )
     head = ["formulation", "shift", "error at the end [m]", "ticks without a QP [%]"]
-    head += [status.name for status in StepStatus]
+    head += [status.name for status in ghc.StepStatus]
     head += ["base height before / after [m]", "fell at [s]", "largest torque step [Nm per ms]"]
     facts = result["facts"]
     shifts = "; ".join(

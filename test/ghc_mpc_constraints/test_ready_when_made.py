@@ -14,7 +14,7 @@ import benchmarks
 _SCRIPT = """
 import sys
 from numba.core.dispatcher import Dispatcher
-from benchmarks.mpc_loads import CHANGE_EVERY, LOADS, STEP
+from benchmarks.previews.mpc_loads import CHANGE_EVERY, LOADS, STEP
 
 def specialised():
     return {

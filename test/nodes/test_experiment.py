@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from mcap.reader import make_reader
 
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
+from ghc_sim_bridge.recorder.bag_reading import read_messages
 from ghc_sim_bridge.scenario.scenario import scenario_names
 
 pytestmark = pytest.mark.timeout(400)
@@ -38,7 +38,7 @@ SCENARIO: dict[str, Any] = {
 }
 FILES = {
     "summary.json",
-    "recording.mcap",
+    "recording",
     "log.npz",
     "parameters.yaml",
     "tasks.png",
@@ -139,12 +139,10 @@ def test_two_lockstep_runs_are_the_same_and_their_transition_comes_at_its_time(
     assert len(log.time) == round(DURATION / log.control_dt)
     assert (log.source == Source.COMMAND).all()
     times, alphas = [], []
-    with (experiment.result() / "recording.mcap").open("rb") as file:
-        from mcap_ros2.decoder import DecoderFactory
-
-        reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        channels = {channel.topic for channel in reader.get_summary().channels.values()}
-        for _, _, _, message in reader.iter_decoded_messages(topics=["/ghc/controller_state"]):
+    channels = set()
+    for topic, _, message in read_messages(experiment.result() / "recording"):
+        channels.add(topic)
+        if topic == "/ghc/controller_state":
             times.append(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
             alphas.append(message.alpha[1])  # of the end effector with respect to the elbow
     assert channels >= {
@@ -166,12 +164,8 @@ def test_a_matrix_and_changed_gains_reach_the_controller(experiment: Experiment)
     folder = experiment.result("ghc")
     robot = yaml.safe_load((folder / "robot.yaml").read_text())
     assert [task["stiffness"] for task in robot["tasks"]] == [30.0, 60.0, 30.0]
-    with (folder / "recording.mcap").open("rb") as file:
-        from mcap_ros2.decoder import DecoderFactory
-
-        reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        decoded = reader.iter_decoded_messages(topics=["/ghc/priority_matrix"])
-        last = [message for _, _, _, message in decoded][-1]
+    matrices = read_messages(folder / "recording", "ghc_msgs/msg/PriorityMatrix")
+    last = [message for _, _, message in matrices][-1]
     np.testing.assert_allclose(last.alpha, np.ravel(alpha))
     assert not (folder.parent / "summary.json").exists()  # not the default variant
 

@@ -1,8 +1,10 @@
-"""The recorder's file: every topic and type, readable without ROS, closed in order."""
+"""The recorder's bag: every topic and type, readable without ROS, also after a kill."""
 
 from __future__ import annotations
 
+import resource
 import signal
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,11 +15,15 @@ from bridge_client import ROBOT, BridgeClient, GravityModel
 from geometry_msgs.msg import WrenchStamped
 from ghc_msgs.msg import ControllerState, NamedCount, PriorityMatrix, PriorityTransition, TaskState
 from mcap.reader import make_reader
+from mcap.records import Channel, Message
 from mcap_ros2.decoder import DecoderFactory
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
 
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS
 from ghc_controller.ros.time import time_from_nanoseconds
+from ghc_sim_bridge.recorder.bag_reading import intact_records
 from ghc_sim_bridge.ros.message_schema import message_schema
 from ghc_sim_bridge.ros.recorder_node import is_fast
 
@@ -37,7 +43,7 @@ class Recording:
     """What a file holds, decoded by its own schemas."""
 
     def __init__(self, path: Path) -> None:
-        with path.open("rb") as file:
+        with (path / f"{path.name}_0.mcap").open("rb") as file:
             reader = make_reader(file, decoder_factories=[DecoderFactory()])
             self.profile = reader.get_header().profile
             self.messages: dict[str, list[Any]] = {}
@@ -57,6 +63,18 @@ class Recording:
 def _start(start_node: Callable[..., Any], executable: str, **parameters: object) -> Any:
     pairs = [part for k, v in parameters.items() for part in ("-p", f"{k}:={v}")]
     return start_node("ghc_sim_bridge", executable, "--ros-args", *pairs)
+
+
+def _on_disk(folder: Path, topic: str) -> int:
+    """Messages of a topic in a bag that is being written."""
+    channels: dict[int, str] = {}
+    count = 0
+    for record in intact_records(folder / f"{folder.name}_0.mcap"):
+        if isinstance(record, Channel):
+            channels[record.id] = record.topic
+        elif isinstance(record, Message):
+            count += channels[record.channel_id] == topic
+    return count
 
 
 def _readers(client: BridgeClient, topic: str) -> int:
@@ -100,7 +118,13 @@ def _record_a_walk(
         robot = client.step(robot, model.swing(robot))
     client.diagnostics.clear()
     client.until(lambda: client.diagnostics, "the diagnostics")
-    client.spin(0.3)
+    client.until(
+        lambda: (
+            _on_disk(path, "/ghc/priority_transition") == STEPS
+            and _on_disk(path, "/diagnostics") > 0
+        ),
+        "the last messages on the disk",
+    )
     recorder.send(signal.SIGINT)
     assert recorder.wait() == 0
     assert "Traceback" not in recorder.output
@@ -110,7 +134,7 @@ def _record_a_walk(
 def test_decimated_recording(
     start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
 ) -> None:
-    recording = _record_a_walk(start_node, client, tmp_path / "new" / "run.mcap", "decimated")
+    recording = _record_a_walk(start_node, client, tmp_path / "new" / "run", "decimated")
     assert recording.profile == "ros2"
     expected = {
         "/clock": "rosgraph_msgs/msg/Clock",
@@ -134,14 +158,22 @@ def test_decimated_recording(
     report = recording.messages["/ghc/controller_state"][-1]
     assert report.tasks[0].error_norm == pytest.approx(0.1 * report.counts[0].count)
     assert max(recording.log_times["/ghc/priority_transition"]) <= STEPS * 1_000_000
-    assert list((tmp_path / "new").iterdir()) == [tmp_path / "new" / "run.mcap"]
+    names = {path.name for path in (tmp_path / "new" / "run").iterdir()}
+    assert names == {"run_0.mcap", "metadata.yaml"}
+    with Reader(tmp_path / "new" / "run") as reader:
+        hashes = {c.topic: c.digest.partition("_")[0] for c in reader.connections}
+        latched: Any = {c.topic: c.ext for c in reader.connections}["/ghc/priority_matrix"]
+    assert set(hashes) >= set(recording.types)
+    assert set(hashes.values()) == {"RIHS01"}
+    (qos,) = latched.offered_qos_profiles
+    assert qos.durability.name == "TRANSIENT_LOCAL"
 
 
 def test_full_recording_has_every_state(
     start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
 ) -> None:
     """Of a bridge with `lossless`; who publishes without that may lose messages on the way."""
-    recording = _record_a_walk(start_node, client, tmp_path / "run.mcap", "full")
+    recording = _record_a_walk(start_node, client, tmp_path / "run", "full")
     steps = [k * 1_000_000 for k in range(STEPS + 1)]
     assert sorted(set(recording.stamps("/joint_states"))) == steps
     assert set(recording.stamps("/joint_commands")) <= set(steps)
@@ -157,25 +189,108 @@ def test_full_recording_has_every_state(
 def test_recording_without_a_clock_runs_on_wall_time(
     start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
 ) -> None:
-    recorder = _start(start_node, "recorder", output=tmp_path / "run.mcap")
+    recorder = _start(start_node, "recorder", output=tmp_path / "run")
     transition = client.node.create_publisher(PriorityTransition, "ghc/priority_transition", 10)
     client.until(lambda: transition.get_subscription_count() > 0, "the recorder")
     now = client.node.get_clock().now().nanoseconds
     message = PriorityTransition(id="by hand")
     message.header.stamp = time_from_nanoseconds(now)
     transition.publish(message)
-    client.spin(0.3)
+    client.until(lambda: _on_disk(tmp_path / "run", "/ghc/priority_transition"), "the message")
     assert recorder.stop() == 0
-    (log_time,) = Recording(tmp_path / "run.mcap").log_times["/ghc/priority_transition"]
+    (log_time,) = Recording(tmp_path / "run").log_times["/ghc/priority_transition"]
     assert 0 <= log_time - now < 30_000_000_000
+
+
+def test_a_run_that_is_killed_at_9_s_opens_with_rosbags_up_to_8_s(
+    start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
+) -> None:
+    """Without a repair; the robot is held by the watchdog, in real time, at 1 kHz."""
+    recorder = _start(start_node, "recorder", output=tmp_path / "run", record_mode="full")
+    _start(start_node, "sim_bridge", scene=ROBOT, mode="realtime")
+    client.until(lambda: _readers(client, "joint_states") >= 2, "readers of joint_states")
+
+    def now() -> float:
+        stamp = client.connected_state().header.stamp
+        return float(stamp.sec + 1e-9 * stamp.nanosec)
+
+    deadline = time.monotonic() + 90.0
+    while now() < 9.0:
+        assert time.monotonic() < deadline
+        client.spin(0.02)
+    recorder.send(signal.SIGKILL)
+    killed = now()
+    assert recorder.wait() == -signal.SIGKILL
+    stamps = []
+    with AnyReader([tmp_path / "run"]) as reader:
+        chosen = [c for c in reader.connections if c.topic == "/joint_states"]
+        for connection, _, data in reader.messages(connections=chosen):
+            state: Any = reader.deserialize(data, connection.msgtype)
+            stamp = state.header.stamp
+            stamps.append(stamp.sec + 1e-9 * stamp.nanosec)
+    assert stamps[0] < 1.0
+    assert stamps[-1] >= max(8.0, killed - 1.0)
+    assert np.diff(stamps).max() < 0.5
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_run(
+    start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
+) -> None:
+    """The file may not grow beyond a limit, which the system reports as a full disk."""
+    recorder = _start(start_node, "recorder", output=tmp_path / "run")
+    resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (64 * 1024, 64 * 1024))
+    transition = client.node.create_publisher(PriorityTransition, "ghc/priority_transition", 10)
+    client.until(lambda: transition.get_subscription_count() > 0, "the recorder")
+    rng = np.random.default_rng(1)
+    sent = 0
+    while "recording ends here, the run goes on" not in recorder.output:
+        assert sent < 2000
+        noise = rng.bytes(500).hex()  # 2 to 1 is all that compression finds
+        transition.publish(PriorityTransition(id=str(sent), hierarchy=noise))
+        sent += 1
+        client.spin(0.01)
+    assert str(tmp_path / "run" / "run_0.mcap") in recorder.output
+    for _ in range(50):
+        transition.publish(PriorityTransition(id="later"))
+        client.spin(0.01)
+    assert recorder.exit_code is None, "the node stays for those that wait for it"
+    assert recorder.stop() == 1
+    assert recorder.output.count("recording ends here") == 1
+    with AnyReader([tmp_path / "run"]) as reader:
+        chosen = [c for c in reader.connections if c.topic == "/ghc/priority_transition"]
+        messages: list[Any] = [
+            reader.deserialize(data, connection.msgtype)
+            for connection, _, data in reader.messages(connections=chosen)
+        ]
+    kept = [message.id for message in messages]
+    assert kept == [str(k) for k in range(len(kept))]
+    assert 20 < len(kept) < sent
+
+
+def test_bytes_that_are_no_message_do_not_end_the_recorder(
+    start_node: Callable[..., Any], client: BridgeClient, tmp_path: Path
+) -> None:
+    recorder = _start(start_node, "recorder", output=tmp_path / "run")
+    state = client.node.create_publisher(ControllerState, "ghc/controller_state", 10)
+    client.until(lambda: state.get_subscription_count() > 0, "the recorder")
+    state.publish(b"\x00\x01\x00\x00")
+    state.publish(ControllerState(formulation="balanced"))
+    client.until(lambda: _on_disk(tmp_path / "run", "/ghc/controller_state") == 2, "both of them")
+    assert recorder.stop() == 0
+    with Reader(tmp_path / "run") as reader:
+        sizes = [
+            len(data) for c, _, data in reader.messages() if c.topic == "/ghc/controller_state"
+        ]
+    assert len(sizes) == 2 and sizes[0] == 4
 
 
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [
         ({}, ["'output'", "is needed"]),
-        ({"output": "/dev/null/run.mcap"}, ["/dev/null"]),
-        ({"output": "run.mcap", "record_mode": "some"}, ["'record_mode'", "decimated, full"]),
+        ({"output": "/dev/null/run"}, ["/dev/null"]),
+        ({"output": "results/run.mcap"}, ["'output' is a folder", "results/run"]),
+        ({"output": "run", "record_mode": "some"}, ["'record_mode'", "decimated, full"]),
     ],
 )
 def test_what_cannot_be_used_is_one_clear_line(

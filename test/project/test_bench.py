@@ -12,18 +12,18 @@ from ghc_msgs.msg import ControllerState
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from benchmarks import loop_generators
-from benchmarks.document import write_document
-from benchmarks.goals import check_goals, ratios
-from benchmarks.loop_bench import CASES, LoopCase, run_loop_bench
-from benchmarks.mpc_bench import COUNTS, HORIZONS, KINDS
-from benchmarks.mpc_loads import LOADS
-from benchmarks.mpc_report import generators_of, mpc_table
-from benchmarks.pace import Pace
+from benchmarks.loops import loop_generators
+from benchmarks.loops.loop_bench import CASES, LoopCase, run_loop_bench
+from benchmarks.previews.mpc_bench import COUNTS, HORIZONS, KINDS
+from benchmarks.previews.mpc_loads import LOADS
+from benchmarks.previews.mpc_report import generators_of, mpc_table
 from benchmarks.run import main
-from benchmarks.step_bench import REGIMES, VARIANTS
-from benchmarks.tables import loop_table
-from benchmarks.timed_controller import PARTS
+from benchmarks.steps.document import write_document
+from benchmarks.steps.goals import check_goals, ratios
+from benchmarks.steps.pace import Pace
+from benchmarks.steps.step_bench import REGIMES, VARIANTS
+from benchmarks.steps.tables import loop_table
+from benchmarks.steps.timed_controller import PARTS
 from ghc_controller.ros.qos import STREAM_QOS
 from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import (

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.closed_form_laws import (
+from benchmarks.problems.closed_form_laws import (
     PROJECTORS,
     ClosedForm,
     generalized_11,

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.memory import GROWTH_GOAL, MemoryCourse, resident_memory
-from benchmarks.soak import main
-from benchmarks.soak_inputs import DRIVERS
-from benchmarks.soak_report import FIGURE, soak_table, write_soak_section
-from benchmarks.soak_section import keep_soak_section, with_soak_section
+from benchmarks.soak.inputs import DRIVERS
+from benchmarks.soak.memory import GROWTH_GOAL, MemoryCourse, resident_memory
+from benchmarks.soak.report import FIGURE, soak_table, write_soak_section
+from benchmarks.soak.run import main
+from benchmarks.soak.section import keep_soak_section, with_soak_section
 from ghc_controller.errors import GhcError
 
 pytestmark = pytest.mark.timeout(300)  # [s] it may compile

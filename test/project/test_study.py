@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from benchmarks.bounded_problems import bounded_problems
-from benchmarks.conflicting_targets import APART, conflicting_pairs
-from benchmarks.problem_check import is_feasible, violation
+from benchmarks.problems.bounded_problems import bounded_problems
+from benchmarks.problems.conflicting_targets import APART, conflicting_pairs
+from benchmarks.problems.problem_check import is_feasible, violation
+from benchmarks.problems.reference_cascade import bounded_least_squares
+from benchmarks.ramps.share_ramps import KINDS, orders_of
 from benchmarks.random_tasks import random_matrix, strict_matrix
-from benchmarks.reference_cascade import bounded_least_squares
-from benchmarks.share_ramps import KINDS, orders_of
 from benchmarks.studies import StudyWithFigure, load_studies
 from benchmarks.study import main
 from benchmarks.study_results import rounded, spread, store, write_document

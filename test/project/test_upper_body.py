@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.ramps.upper_body_loop import Run, figures, run_case
 from benchmarks.rhp_page import page
 from benchmarks.upper_body_cases import CASES
-from benchmarks.upper_body_loop import Run, figures, run_case
 from ghc_controller.formulations import FormulationSettings
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -8,7 +8,6 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ghc_controller.constraints.obstacle import ObstacleDistance
 from ghc_controller.contacts import (
@@ -18,11 +17,11 @@ from ghc_controller.contacts import (
     NormalBounds,
     solve_settled,
 )
-from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_controller.formulations import blending_formulations, make_formulation
+from ghc_controller.control.account import Account
+from ghc_controller.control.requests import Requests
+from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy import (
     Solvability,
-    Transition,
     TransitionEvent,
     TransitionSchedule,
     generalized_projectors,
@@ -32,15 +31,10 @@ from ghc_controller.hierarchy import (
 from ghc_controller.problem.control_problem import ContactRows, ControlProblem
 from ghc_controller.problem.reduction import kept_by_contacts
 from ghc_controller.qp import make_solver
-from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.references.schedule import ReferenceSchedule
-from ghc_controller.report.report import ObstacleReport, Report, StepResult, StepStatus
+from ghc_controller.report.report import StepResult, StepStatus
 from ghc_controller.report.reporting import (
     Limits,
-    contact_report,
-    load_report,
-    make_report,
-    task_reports,
 )
 from ghc_controller.robot.library import load_robot
 from ghc_controller.robot.robot import Robot
@@ -53,7 +47,7 @@ from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_controller.warm_up import warm_up
 
 
-class Controller:
+class Controller(Requests, Account):
     """Generalized hierarchical control of one robot.
 
     Each `step` goes one way: state, tasks and constraints, priority matrix, formulation, output
@@ -131,48 +125,6 @@ class Controller:
         self._contact_rows_seen = None
         self._events.clear()
 
-    def schedule_of(self, task: str) -> ReferenceSchedule:
-        """References among which those of `task` are: a task, or a contact with a force task.
-
-        Raises:
-            UnknownName: there is none of that name.
-        """
-        names = (self.references.names, self.force_references.names)
-        if task in names[1]:
-            return self.force_references
-        if task not in names[0]:
-            raise UnknownName("task", task, names[0] + names[1])
-        return self.references
-
-    def add_reference(self, reference: ReferenceTrajectory) -> None:
-        """Let a task follow `reference` from its start time on; UnknownName if there is none."""
-        self.schedule_of(reference.task).add(reference)
-
-    def add_transition(self, transition: Transition, now: float) -> bool:
-        """Schedule a change of priorities; False when it is a repeat that changes nothing.
-
-        Raises:
-            InvalidValue: the formulation in use would lose its solution on the way, or it cannot
-            keep the transition's torque rate.
-        """
-        if transition.torque_rate > 0.0 and not self.formulation.blends:
-            raise InvalidValue(
-                f"torque_rate = {transition.torque_rate} Nm/s given with formulation "
-                f"'{self.formulation.name}'; only one that blends orders keeps it: "
-                + ", ".join(blending_formulations())
-            )
-        if self.priorities.is_repeat(transition):
-            return False
-        self.priorities.check_solvable(transition)
-        self._events += self.priorities.add(transition, now)
-        return True
-
-    def take_events(self) -> tuple[TransitionEvent, ...]:
-        """What happened to transitions since the last step; not repeated by the next one."""
-        events = tuple(self._events)
-        self._events.clear()
-        return events
-
     def observe(self, state: RobotState) -> None:
         """Look at a state without answering it: requests are judged at its configuration."""
         self._time = state.time
@@ -186,46 +138,6 @@ class Controller:
         """Get ready at a state: compile what a step needs, forget the past, and look at it."""
         self.warm_up()
         self.observe(state)
-
-    def set_reference(self, task: str, position: ArrayLike, start: float | None = None) -> None:
-        """Let a task go to a standing position from `start` [s] on, at once without.
-
-        Args:
-            position: as the task counts it: [m], [rad], or a quaternion x, y, z, w.
-
-        Raises:
-            UnknownName: there is no such task.
-            WrongSize, InvalidValue: the position does not fit the task.
-        """
-        kind = self.schedule_of(task).task(task)
-        target = kind.static_target(np.array(position, dtype=np.float64))
-        begin = self._time if start is None else start
-        self.add_reference(ReferenceTrajectory.static(kind, target, begin))
-
-    def change_hierarchy(
-        self,
-        hierarchy: str,
-        start: float | None = None,
-        duration: float = 2.0,
-        torque_rate: float = 0.0,
-    ) -> bool:
-        """Schedule a change to a hierarchy such as "a > b = c"; arguments as in Transition.
-
-        Args:
-            start: [s], at once without.
-
-        Returns:
-            False for a repeat that changes nothing.
-
-        Raises:
-            UnknownName, InvalidValue: as `matrix_from_hierarchy` and `add_transition` do.
-        """
-        target = matrix_from_hierarchy(self.robot.task_names, hierarchy)
-        begin = self._time if start is None else start
-        transition = Transition(
-            target, begin, duration, hierarchy=hierarchy, torque_rate=torque_rate
-        )
-        return self.add_transition(transition, self._time)
 
     def step(self, state: RobotState) -> StepResult:
         """Torque for one robot state; never raises for what a robot can be in."""
@@ -279,32 +191,6 @@ class Controller:
             perf_counter() - begin,
         )
         return self._last
-
-    def report(self) -> Report:
-        """Account of the last step; call it before the next one.
-
-        Raises:
-            RuntimeError: no step was made yet.
-        """
-        result, limits = self._last, self._limits
-        if result is None or limits is None:
-            raise RuntimeError("report() needs a step() before it")
-        contacts = contact_report(
-            self.contacts, self.force_bounds.planned, limits.normal_bounds, result.solution.force
-        )
-        loads = load_report(self.contacts, limits.normal_bounds, result.solution.force)
-        states = self.obstacles.states(result.time)
-        return make_report(
-            result,
-            limits,
-            task_reports(self.stack, self.references, result.time),
-            self.priorities.alpha,
-            self.priorities.sigma_min,
-            contacts,
-            loads,
-            tuple(ObstacleReport(planned, state) for planned, state in states),
-            self.counts | self.gate.counts,
-        )
 
     def problem(self) -> ControlProblem:
         """The control problem of the last step: copies, which the next step leaves alone."""
@@ -371,12 +257,3 @@ class Controller:
         if contacts is not None:
             jacobian = kept_by_contacts(jacobian, contacts.jacobian)
         return self.formulation.solvability(jacobian, self.stack.starts)
-
-    def _count(self, status: StepStatus, levels_dropped: int) -> None:
-        self.counts |= self.formulation.solver.counts
-        self.counts["dropped_levels"] += levels_dropped
-        if status is StepStatus.FALLBACK:
-            self.counts["qp_failures"] += 1
-            self.counts["fallback_ticks"] += 1
-        elif status is StepStatus.RELAXED:
-            self.counts["relaxed_ticks"] += 1

@@ -1,5 +1,42 @@
-"""Constraints that jump become bounds that move: previews over a receding horizon."""
+"""Constraint generators: bounds that move instead of jumping. The public names.
+
+Names are loaded when they are first used, as in `ghc_controller`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 from ghc_controller.migration.finder import install
 
+if TYPE_CHECKING:
+    from ghc_mpc_constraints.force_bounds import contact_force_bounds, contact_schedule
+    from ghc_mpc_constraints.obstacle_motion import measurement, obstacle_bounds
+
+    ContactForceBounds = contact_force_bounds.ContactForceBounds
+    ContactSchedule = contact_schedule.ContactSchedule
+    ForceBoundSettings = contact_force_bounds.ForceBoundSettings
+    Measurement = measurement.Measurement
+    ObstacleBounds = obstacle_bounds.ObstacleBounds
+    ObstacleSettings = obstacle_bounds.ObstacleSettings
+
+_HOMES = {
+    "ContactForceBounds": "force_bounds.contact_force_bounds",
+    "ContactSchedule": "force_bounds.contact_schedule",
+    "ForceBoundSettings": "force_bounds.contact_force_bounds",
+    "Measurement": "obstacle_motion.measurement",
+    "ObstacleBounds": "obstacle_motion.obstacle_bounds",
+    "ObstacleSettings": "obstacle_motion.obstacle_bounds",
+}
+__all__ = [*_HOMES]
+
 install()  # of modules that have moved
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value  # the next use costs no look-up
+    return value

@@ -19,7 +19,7 @@ from reference.problems import (
 )
 from scipy.linalg import null_space
 
-from benchmarks.plain_problems import control_problem
+from benchmarks.problems.plain_problems import control_problem
 from ghc_controller.formulations import FormulationSettings, SolutionStatus, make_formulation
 from ghc_controller.types import Array
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.order_problems import (
+from benchmarks.problems.order_problems import (
     answer_on_ramp,
     bounded,
     identical_tasks,

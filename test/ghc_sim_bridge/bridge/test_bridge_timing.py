@@ -155,9 +155,9 @@ def test_patient_publishing_gives_up_with_the_topic_and_at_once_when_stopping() 
 
 def test_recording_waits_for_the_first_clock() -> None:
     written: list[tuple[str, int]] = []
-    timeline = RecordingTimeline(start_ns=100)
+    timeline = RecordingTimeline(start_ns=100, restart=written.clear)
     timeline.write(200, lambda t: written.append(("before", t)))
-    assert not written
+    assert written == [("before", 200)], "on the disk, for a recorder that is killed before"
     timeline.clock(7 * MS)
     timeline.write(300, lambda t: written.append(("after", t)))
     assert written == [("before", 7 * MS), ("after", 7 * MS)]
@@ -165,7 +165,7 @@ def test_recording_waits_for_the_first_clock() -> None:
 
 def test_recording_without_a_clock_runs_on_wall_time() -> None:
     written: list[int] = []
-    timeline = RecordingTimeline(start_ns=0)
+    timeline = RecordingTimeline(start_ns=0, restart=written.clear)
     timeline.write(5, written.append)
     timeline.write(PATIENCE_NS + 6, written.append)
     timeline.clock(1)

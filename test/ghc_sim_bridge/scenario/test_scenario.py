@@ -403,3 +403,33 @@ def test_a_reference_of_a_task_that_the_robot_has_not_is_refused(tmp_path: Path)
         UnknownName, match=r"task in a reference of scenario .*'hnad'; known: end_"
     ):
         make_plan(load_scenario(file), RunOptions(), tmp_path / "results")
+
+
+def test_a_variant_changes_what_it_names_and_nothing_beside(tmp_path: Path) -> None:
+    controller = {"velocity_limit": 1.2, "regularization": 0.01}
+    path = write(
+        tmp_path,
+        parameters={"controller": controller, "sim_bridge": {"disturbance_push": 30.0}},
+        references={"a": {"position": [0.1]}, "b": {"position": [0.2]}},
+        variants={
+            "plain": {},
+            "slow": {
+                "parameters": {"controller": {"velocity_limit": 0.3}, "sim_bridge": None},
+                "references": {"b": {"position": [0.5]}},
+                "phases": [{"hierarchy": "b > a"}],
+            },
+        },
+    )
+    plain, slow = load_scenario(path), load_scenario(path, "slow")
+    assert plain.parameters["controller"] == controller
+    assert slow.parameters == {"controller": controller | {"velocity_limit": 0.3}}
+    assert [reference.task for reference in slow.references] == ["a", "b"]
+    assert slow.references[0] == plain.references[0]
+    assert slow.references[1] != plain.references[1]
+    assert [phase.hierarchy for phase in slow.phases] == ["b > a"]
+
+
+def test_every_variant_of_foot_lift_is_pushed_where_its_scenario_says() -> None:
+    for variant in load_scenario("foot_lift").variants:
+        parameters = load_scenario("foot_lift", variant).parameters["sim_bridge"]
+        assert parameters["disturbance_push_frame"] == "chest"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.safety.braking import BRAKE_TIME, hold_torque
-from ghc_controller.types import Array
+from ghc_controller.safety.braking import BRAKE_TIME, MAX_ACCELERATION, braking_torque
+from ghc_controller.types import Array, Dynamics
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 STATES = 20
@@ -44,13 +44,13 @@ def test_it_comes_to_rest_under_a_torque_rate_limit_too(simulator: Simulator, ra
         simulator.reset(*random_state(simulator, rng))
         for _ in range(1000):
             before = simulator.torque
-            torque = hold_torque(
-                simulator.mass_matrix(),
-                simulator.bias(),
+            torque = braking_torque(
+                simulator.dynamics(),
                 simulator.state().v,
                 simulator.torque_limit,
-                before,
-                step,
+                previous=before,
+                torque_step=step,
+                max_acceleration=np.inf,
             )
             assert np.abs(torque - np.clip(before, *_limits(simulator))).max() <= step + 1e-12
             simulator.step(torque)
@@ -73,7 +73,7 @@ def test_at_the_limits_the_arm_brakes_less_but_straight() -> None:
     """The acceleration stays opposite to the velocity; one torque is at its limit."""
     mass = np.array([[2.0, 0.5], [0.5, 0.1251]])
     velocity, limit = np.array([1.0, -0.5]), np.array([5.0, 5.0])
-    torque = hold_torque(mass, np.zeros(2), velocity, limit)
+    torque = braking_torque(Dynamics(mass, np.zeros(2)), velocity, limit)
     acceleration = np.linalg.solve(mass, torque)
     assert np.abs(torque).max() == pytest.approx(5.0)
     assert acceleration / velocity == pytest.approx([acceleration[0]] * 2)
@@ -81,10 +81,19 @@ def test_at_the_limits_the_arm_brakes_less_but_straight() -> None:
 
 
 def test_a_joint_that_cannot_even_be_carried_does_not_keep_the_others_from_braking() -> None:
-    torque = hold_torque(
-        np.eye(2), np.array([9.0, 0.0]), np.array([1.0, 1.0]), np.array([5.0, 50.0])
-    )
+    dynamics = Dynamics(np.eye(2), np.array([9.0, 0.0]))
+    torque = braking_torque(dynamics, np.array([1.0, 1.0]), np.array([5.0, 50.0]))
     assert torque == pytest.approx([-5.0, -1.0 / BRAKE_TIME])
+
+
+def test_the_controller_brakes_no_joint_harder_than_its_largest_acceleration() -> None:
+    """Where no bound is met; the bridge, which holds, leaves that to the bounds."""
+    velocity = np.array([4.0, -0.5])
+    dynamics, limit = Dynamics(np.diag([2.0, 0.1]), np.array([1.0, -1.0])), np.full(2, 1e3)
+    torque = braking_torque(dynamics, velocity, limit)
+    assert torque == pytest.approx([-2.0 * MAX_ACCELERATION + 1.0, 0.1 * 0.5 / BRAKE_TIME - 1.0])
+    free = braking_torque(dynamics, velocity, limit, max_acceleration=np.inf)
+    assert free == pytest.approx([-2.0 * 4.0 / BRAKE_TIME + 1.0, torque[1]])
 
 
 def _limits(simulator: Simulator) -> tuple[Array, Array]:

@@ -134,4 +134,4 @@ def test_files_that_cannot_be_read_are_one_clear_error(tmp_path: Path) -> None:
             position_tasks(path)
     for path in (tmp_path / "nowhere.mcap", other):
         with pytest.raises(ConfigurationError, match=path.stem):
-            ControllerSeries.from_mcap(path)
+            ControllerSeries.from_recording(path)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ghc_controller.formulations.best_answer import BestAnswer
 from ghc_controller.formulations.cascade.force_center import balanced_contacts
 from ghc_controller.formulations.cascade.level_answers import (
     UPPER_FORCE_WEIGHT,
     free_answer,
     keep_feasible,
-    keeps_bounds,
     reduced_acceleration,
     rows_of,
 )
@@ -21,7 +21,7 @@ from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_qp
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import reduce_contacts
-from ghc_controller.problem.solution import Solution, SolutionStatus
+from ghc_controller.problem.solution import Solution
 from ghc_controller.types import Array
 
 
@@ -51,13 +51,12 @@ class Hqp(Formulation):
         y, null = np.zeros(reduced.jacobian.shape[1]), np.eye(reduced.jacobian.shape[1])
         if settings.hqp_damps_velocity:
             y, _ = reduced.about_rest(settings.velocity_damping)
-        answer: Solution | None = None
-        worst = SolutionStatus.SOLVED
         order = levels(problem.alpha) or [[]]  # without an active task a level of no row
+        best = BestAnswer(problem, len(order))
         above = np.zeros(len(problem.target))  # 1 for rows of the levels before
         for depth, level in enumerate(order):
             is_last = depth + 1 == len(order)
-            moves = null.shape[1] > 0 or answer is None
+            moves = null.shape[1] > 0 or best.is_empty
             if not (moves or (is_last and forces.free.shape[1])):
                 continue  # no motion is left; the last level still chooses the forces
             index = rows_of(problem.starts, level)
@@ -71,34 +70,19 @@ class Hqp(Formulation):
                 right -= null.T @ (term.pull + term.matrix @ y)
             above[index] = 1.0
             factor = inverse_factor(hessian)
-            best = y + null @ (factor @ (factor.T @ right))
+            optimum = y + null @ (factor @ (factor.T @ right))
             below = null @ _null_space(local, settings.rank_tolerance)
-            found = free_answer(reduced, forces, best)
+            found = free_answer(reduced, forces, optimum)
             if found is None:
                 weight = 1.0 if is_last else UPPER_FORCE_WEIGHT
                 whitened = np.ascontiguousarray(null @ factor)
-                parametrization = forces.parametrization(reduced, best, whitened, weight)
+                parametrization = forces.parametrization(reduced, optimum, whitened, weight)
                 found = solve_qp(reduced, parametrization, self.solver)
-            if answer is None and found.status is SolutionStatus.FAILED:
-                return found
-            if answer is not None and not keeps_bounds(problem, worst, found):
-                # No pivot left, or rounding: keep the answer of the level above.
-                answer = answer._replace(levels_dropped=len(order) - depth)
+            if not best.accept(depth, found):
                 break
-            worst = max(worst, found.status, key=lambda status: status.value)
-            first = found if answer is None else answer
-            answer = found._replace(
-                qp_solved=found.qp_solved or (answer is not None and answer.qp_solved),
-                acceleration_slack=first.acceleration_slack,
-                rows_slack=first.rows_slack,
-                force_slack=first.force_slack,
-                rate_gave_way=first.rate_gave_way,
-                reason=first.reason,
-            )
             y = reduced_acceleration(reduced, found.acceleration)
             reduced, null = keep_feasible(reduced, found), below
-        assert answer is not None
-        return answer._replace(status=worst)
+        return best.answer
 
 
 def _null_space(rows: Array, rank_tolerance: float) -> Array:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ghc_controller.formulations.best_answer import BestAnswer
 from ghc_controller.formulations.cascade.force_center import ForceCenter, balanced_contacts
 from ghc_controller.formulations.cascade.level_answers import (
     UPPER_FORCE_WEIGHT,
     free_answer,
     keep_feasible,
-    keeps_bounds,
     reduced_acceleration,
     rows_of,
 )
@@ -27,7 +27,7 @@ from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_qp
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts
-from ghc_controller.problem.solution import Solution, SolutionStatus
+from ghc_controller.problem.solution import Solution
 from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
 
@@ -68,7 +68,7 @@ class RhpHqp(Formulation):
         y, projector = np.zeros(d), np.eye(d)
         if settings.hqp_damps_velocity:
             y, _ = reduced.about_rest(settings.velocity_damping)
-        answer: Solution | None = None
+        best = BestAnswer(problem, len(levels))
         for depth, (rows, share) in enumerate(levels):
             is_last = depth + 1 == len(levels)
             jacobian = reduced.jacobian[rows]
@@ -77,23 +77,17 @@ class RhpHqp(Formulation):
             weight = np.ones(len(rows)) if settings.rhp_constant_weights else np.sqrt(share)
             A, r = weight[:, None] * local, weight * wanted
             factor = inverse_factor(A.T @ A + settings.regularization * np.eye(d))
-            best = y + projector @ (factor @ (factor.T @ (A.T @ r)))
-            found = self._bounded(reduced, forces, best, projector @ factor, is_last)
-            if answer is None and found.status is SolutionStatus.FAILED:
-                return found
-            if answer is not None and not keeps_bounds(problem, answer.status, found):
-                # No pivot left, or rounding: keep the answer of the level above.
-                answer = answer._replace(levels_dropped=len(levels) - depth)
+            optimum = y + projector @ (factor @ (factor.T @ (A.T @ r)))
+            found = self._bounded(reduced, forces, optimum, projector @ factor, is_last)
+            if not best.accept(depth, found):
                 break
-            answer = found if answer is None else _below(answer, found)
             y = reduced_acceleration(reduced, found.acceleration)
             reduced = keep_feasible(reduced, found)
             if not is_last:
                 projector = recursive_projection(
                     projector, jacobian, share, settings.rank_tolerance
                 )
-        assert answer is not None
-        return answer
+        return best.answer
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:  # noqa: ARG002
         """Orders always have an answer; any other target is rejected."""
@@ -163,16 +157,3 @@ def recursive_projection(
             kept.append(phi)
     removed: Array = (projector @ basis.T) @ (np.array(kept)[:, None] * basis)
     return projector - removed
-
-
-def _below(above: Solution, found: Solution) -> Solution:
-    """The answer of a level below `above`: what gave way is what the first level gave."""
-    return found._replace(
-        status=max(above.status, found.status, key=lambda status: status.value),
-        qp_solved=above.qp_solved or found.qp_solved,
-        acceleration_slack=above.acceleration_slack,
-        rows_slack=above.rows_slack,
-        force_slack=above.force_slack,
-        rate_gave_way=above.rate_gave_way,
-        reason=above.reason,
-    )

@@ -1,4 +1,4 @@
-"""Kinematics and dynamics of the robot: the only module that computes with Pinocchio."""
+"""Kinematics and dynamics of the robot; only this room computes with Pinocchio."""
 
 from __future__ import annotations
 
@@ -7,14 +7,20 @@ from pathlib import Path
 import numba
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from ghc_controller.errors import ConfigurationError, UnknownName, WrongSize
 from ghc_controller.model.frames import FrameTable, FrameTerms
 from ghc_controller.model.limits import JointLimits
+from ghc_controller.model.mass_center import MassCenter
+from ghc_controller.model.structure import (
+    actuated_joints,
+    has_floating_base,
+    joint_order,
+    model_limits,
+    read_urdf,
+)
 from ghc_controller.types import Array, Dynamics
 
-_FREE_FLYER_NV = 6  # velocity coordinates of a floating base: linear, angular in base axes
 _WORLD = pin.Convention.WORLD
 _LEAST_INERTIA = 1e-12  # [kg m^2] or [kg] on the diagonal of M
 
@@ -45,39 +51,23 @@ class RobotModel:
         """
         self._model = model
         self._data = model.createData()
-        self.floating_base: bool = model.njoints > 1 and model.joints[1].nv == _FREE_FLYER_NV
-        first = 2 if self.floating_base else 1
-        names = tuple(model.names)
-        self.joint_names: tuple[str, ...] = names[first:]
-        if not self.joint_names:
-            raise ConfigurationError(f"model '{model.name}' has no actuated joint")
-        for name in self.joint_names:
-            if model.joints[model.getJointId(name)].nq != 1:
-                raise ConfigurationError(
-                    f"joint '{name}' has several coordinates; revolute joints with limits and"
-                    " prismatic joints are supported (not 'continuous' ones)"
-                )
+        self.floating_base = has_floating_base(model)
+        self.joint_names = actuated_joints(model)
         self.nq: int = model.nq
         self.nv: int = model.nv
         self.na: int = len(self.joint_names)
         self.limits = limits or model_limits(model, self.na)
         self.q = pin.neutral(model)
         self.v = np.zeros(self.nv)
-        self.mass: float = float(pin.computeTotalMass(model))  # [kg]
+        self._center = MassCenter(model, self._data, self.q, self.v)
+        self.mass, self.weight = self._center.mass, self._center.weight  # [kg], [N]
         self._frame_names = tuple(f.name for f in model.frames if f.type == pin.FrameType.BODY)
         self._frames = FrameTable(model, self._data)
-        self.joint_of, self.carries = _joint_order(model)
+        self.joint_of, self.carries = joint_order(model)
         # Views taken once: fetching them from pin.Data costs more than the copy below.
-        square, columns = (self.nv, self.nv), (6, self.nv)  # of one joint they come as vectors
+        square = (self.nv, self.nv)  # of one joint it comes as a vector
         self._mass_matrix_view = self._data.M.reshape(square, order="F")
         self._bias_view = self._data.nle
-        self._momentum_view = self._data.Ag.reshape(columns, order="F")
-        self._gravity_vector = np.array(model.gravity.linear)
-        self.weight = self.mass * float(np.linalg.norm(self._gravity_vector))  # [N]
-        self._gravity: Array | None = None
-        self._com_is_current = False
-        self._zero = np.zeros(self.nv)
-        self._com_views = (self._data.com[0], self._data.vcom[0], self._data.acom[0])
         self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
         self.dynamics = self._free_dynamics = self.update(self.q, self.v)
         moved = np.diag(self.dynamics.mass_matrix)[self.nv - self.na :]
@@ -98,13 +88,7 @@ class RobotModel:
             ConfigurationError: the file does not exist, is no URDF, or has an unsupported joint.
         """
         path = Path(path)
-        if not path.is_file():
-            raise ConfigurationError(f"{path}: robot model does not exist")
-        root = (pin.JointModelFreeFlyer(),) if floating_base else ()
-        try:
-            model = pin.buildModelFromUrdf(str(path), *root)
-        except (ValueError, RuntimeError) as error:
-            raise ConfigurationError(f"{path}: not a readable URDF: {error}") from error
+        model = read_urdf(path, floating_base)
         try:
             return cls(model, limits)
         except ConfigurationError as error:
@@ -133,8 +117,7 @@ class RobotModel:
         mass_matrix, bias = np.empty((self.nv, self.nv)), np.empty(self.nv)
         _copy_dynamics(self._mass_matrix_view, self._bias_view, mass_matrix, bias)
         self._frames.compute()
-        self._gravity = None
-        self._com_is_current = False
+        self._center.expire()
         self._exerted.clear()
         self._free_dynamics = self.dynamics = Dynamics(mass_matrix, bias)
         return self.dynamics
@@ -201,9 +184,7 @@ class RobotModel:
 
     def gravity(self) -> Array:
         """Torque that holds the robot still, the bias at v = 0: (n,) [Nm] or [N]."""
-        if self._gravity is None:
-            self._gravity = _gravity_torque(self._momentum_view, self._gravity_vector)
-        return self._gravity
+        return self._center.gravity()
 
     def integrate(self, q: Array, step: Array) -> Array:
         """Configuration (nq,) after moving q by a step in velocity coordinates, (n,)."""
@@ -215,27 +196,19 @@ class RobotModel:
 
     def center_of_mass(self) -> Array:
         """Centre of mass in the world, (3,) [m]."""
-        self._update_center_of_mass()
-        return self._com_views[0]
+        return self._center.position()
 
     def center_of_mass_velocity(self) -> Array:
         """(3,) [m/s]."""
-        self._update_center_of_mass()
-        return self._com_views[1]
+        return self._center.velocity()
 
     def center_of_mass_jacobian(self) -> Array:
         """(3, n) fresh array: linear rows of the momentum matrix over the mass."""
-        return np.ascontiguousarray(self._momentum_view[:3]) / self.mass
+        return self._center.jacobian()
 
     def center_of_mass_drift(self) -> Array:
         """dJ/dt v, (3,) [m/s^2]."""
-        self._update_center_of_mass()
-        return self._com_views[2]
-
-    def _update_center_of_mass(self) -> None:
-        if not self._com_is_current:
-            pin.centerOfMass(self._model, self._data, self.q, self.v, self._zero)
-            self._com_is_current = True
+        return self._center.drift()
 
     # Shorthands of `limits`, each (na,).
     @property
@@ -269,28 +242,6 @@ class RobotModel:
         return self.joint_names.index(name)
 
 
-def model_limits(model: pin.Model, na: int) -> JointLimits:
-    """Limits of the last `na` joints as the model file states them."""
-    return JointLimits(
-        np.array(model.lowerPositionLimit[-na:]),
-        np.array(model.upperPositionLimit[-na:]),
-        np.array(model.upperVelocityLimit[-na:]),
-        np.array(model.upperEffortLimit[-na:]),
-    )
-
-
-def _joint_order(model: pin.Model) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """See `joint_of` and `carries` of RobotModel."""
-    joint_of = np.zeros(model.nv, dtype=np.int64)
-    for joint in range(1, model.njoints):
-        first = model.joints[joint].idx_v
-        joint_of[first : first + model.joints[joint].nv] = joint
-    carries = np.zeros((model.nv, model.nv), dtype=np.bool_)
-    for b in range(model.nv):
-        carries[:, b] = np.isin(joint_of, list(model.supports[int(joint_of[b])]))
-    return joint_of, carries
-
-
 @numba.njit(cache=True)
 def _copy_dynamics(mass: Array, bias: Array, mass_out: Array, bias_out: Array) -> None:
     """Copy the upper triangle to both sides, so that the result is symmetric to the bit."""
@@ -299,13 +250,3 @@ def _copy_dynamics(mass: Array, bias: Array, mass_out: Array, bias_out: Array) -
         for j in range(i, bias.shape[0]):
             mass_out[i, j] = mass[i, j]
             mass_out[j, i] = mass[i, j]
-
-
-@numba.njit(cache=True)
-def _gravity_torque(momentum: Array, gravity: Array) -> Array:
-    """Minus the weight, by the linear rows of the momentum matrix (6, n); (n,)."""
-    torque = np.zeros(momentum.shape[1])
-    for j in range(torque.shape[0]):
-        for i in range(3):
-            torque[j] -= gravity[i] * momentum[i, j]
-    return torque

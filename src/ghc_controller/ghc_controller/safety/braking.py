@@ -1,9 +1,9 @@
 """Braking in acceleration space: what a robot does when there is no other answer.
 
-It acts on accelerations, nudot = -v / BRAKE_TIME, and not as a damping torque -k v: one k for all
-joints is unstable on a light wrist (k dt / inertia > 2) or lame on the shoulder. The controller
-brakes with `braking_torque`, which knows contacts; the bridge holds an arm that gets no commands
-with `hold_torque`, which knows what was applied last.
+The one braking law: of the controller without an answer, of its gate, and of the bridge that
+holds an arm without commands. It acts on accelerations, dv = -v / BRAKE_TIME, and not as a
+damping torque -k v: one k for all joints is unstable on a light wrist (k dt / inertia > 2) or
+lame on the shoulder.
 """
 
 from __future__ import annotations
@@ -21,66 +21,50 @@ def braking_torque(
     dynamics: Dynamics,
     velocity: Array,
     torque_limit: Array,
-    time_constant: float = BRAKE_TIME,
-    max_acceleration: float = MAX_ACCELERATION,
     contact_rows: ContactRows | None = None,
+    previous: Array | None = None,
+    torque_step: float = np.inf,
+    max_acceleration: float = MAX_ACCELERATION,
 ) -> Array:
-    """Torque (a,) [Nm] that slows every joint down and then holds it against gravity.
+    """Torque (a,) [Nm] that brings a robot to rest where it is, and keeps it there.
 
-    x_b = clip(-v / time_constant), tau = clip(M x_b + h) to the torque limits. Scaled by the mass
-    matrix it is stable on light joints, where tau = g - k v with one k for all joints diverges.
+    tau = s M dv + h with dv = -velocity / BRAKE_TIME, at most max_acceleration, and the largest s
+    in [0, 1] that the bounds allow: braking all joints less keeps their motions decoupled, which
+    clipping a single torque would not. A joint whose h alone is beyond its bounds is clipped.
 
     Args:
         dynamics: at the current state.
         velocity: (n,) [rad/s]; the base of a floating one (the first n - a entries) is asked to
             stay, as far as forces at the contacts can carry it.
-        torque_limit: (a,) [Nm].
-        time_constant: [s]; at least a few control periods.
-        max_acceleration: [rad/s^2].
+        torque_limit: (a,) [Nm], inf where there is none.
         contact_rows: contacts that are on; their forces are the smallest that fit, friction aside.
+        previous: (a,) [Nm] torque applied over the last control period.
+        torque_step: largest change from `previous` per control period [Nm]; inf = no limit.
+        max_acceleration: [rad/s^2] of a joint; inf where the bounds alone are to say.
     """
     base = velocity.shape[0] - torque_limit.shape[0]
-    acceleration = np.clip(-velocity / time_constant, -max_acceleration, max_acceleration)
+    acceleration = np.clip(-velocity / BRAKE_TIME, -max_acceleration, max_acceleration)
     acceleration[:base] = 0.0
-    generalized = dynamics.mass_matrix @ acceleration + dynamics.bias
-    if base and contact_rows is not None:
-        push = contact_rows.force_jacobian.T
-        generalized -= push @ np.linalg.lstsq(push[:base], generalized[:base], rcond=1e-9)[0]
-    torque = generalized[base:]
-    return np.clip(torque, -torque_limit, torque_limit)
-
-
-def hold_torque(
-    mass_matrix: Array,
-    bias: Array,
-    velocity: Array,
-    torque_limit: Array,
-    previous: Array | None = None,
-    torque_step: float = np.inf,
-) -> Array:
-    """Torque (n,) [Nm] that keeps a robot at rest where it is, and brings it to rest if it moves.
-
-    tau = s M nudot + h with nudot = -velocity / BRAKE_TIME and the largest s in [0, 1] that the
-    bounds allow: braking all joints less keeps their motions decoupled, which clipping a single
-    torque would not. A joint whose bias alone is beyond its bounds is clipped.
-
-    Args:
-        mass_matrix: (n, n) M [kg m^2]
-        bias: (n,) h, Coriolis, centrifugal and gravity torques [Nm]
-        velocity: (n,) [rad/s]
-        torque_limit: (n,) [Nm], inf where there is none
-        previous: (n,) [Nm] torque applied over the last control period
-        torque_step: largest change from `previous` per control period [Nm]; inf = no limit
-    """
+    braking = _of_motors(dynamics.mass_matrix @ acceleration, base, contact_rows)
+    bias = _of_motors(dynamics.bias, base, contact_rows)
     lower, upper = -torque_limit, torque_limit
     if previous is not None and np.isfinite(torque_step):
         # Where the last torque is itself outside the limits, the limits win.
         lower = np.minimum(np.maximum(lower, previous - torque_step), upper)
         upper = np.maximum(np.minimum(upper, previous + torque_step), -torque_limit)
-    braking = mass_matrix @ (-velocity / BRAKE_TIME)
     with np.errstate(divide="ignore", invalid="ignore"):
         room = np.where(braking > 0.0, upper - bias, lower - bias) / braking
     room[(braking == 0.0) | (bias < lower) | (bias > upper)] = np.inf
     scale = float(np.clip(room.min(initial=np.inf), 0.0, 1.0))
     torque: Array = np.minimum(np.maximum(scale * braking + bias, lower), upper)
     return torque
+
+
+def _of_motors(generalized: Array, base: int, contact_rows: ContactRows | None) -> Array:
+    """The motors' part (a,) of generalized forces (n,) that motors and contacts exert together."""
+    if not base or contact_rows is None:
+        return generalized[base:]
+    push = contact_rows.force_jacobian.T
+    force = np.linalg.lstsq(push[:base], generalized[:base], rcond=1e-9)[0]
+    joints: Array = generalized[base:] - push[base:] @ force
+    return joints

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ghc_controller.safety.braking import hold_torque
+from ghc_controller.safety.braking import braking_torque
 from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
 from ghc_controller.types import NANOSECONDS, Array, RobotState
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer, Source
@@ -94,13 +94,13 @@ class ControlCycle:
                 self.joint_state[0],
                 self.state.v,
             )
-        return hold_torque(
-            simulator.mass_matrix(),
-            simulator.bias(),
+        return braking_torque(
+            simulator.dynamics(),
             self.state.v,
             gate.torque_limit,
-            simulator.torque,
-            gate.torque_step_limit,
+            previous=simulator.torque,
+            torque_step=gate.torque_step_limit,
+            max_acceleration=np.inf,
         )
 
     def _record(self, log: FullRateLogBuffer, commanded: Array | None, gated: GatedTorque) -> None:

@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.types import NANOSECONDS, Array
+from ghc_sim_bridge.recorder.bag_reading import read_messages
 
 SCHEMA = "ghc_msgs/msg/ControllerState"
 
@@ -30,17 +28,15 @@ class ControllerSeries:
     errors: Mapping[str, Array]  # task -> (S, rows) reference - actual [m], [rad] or [N]
 
     @classmethod
-    def from_mcap(cls, path: Path) -> ControllerSeries:
-        """Read the controller's reports of a recording, whatever the name of their topic.
+    def from_recording(cls, path: Path) -> ControllerSeries:
+        """Read the controller's reports of a bag folder or an MCAP file, also one that was cut.
+
+        The name of the topic does not matter; the first one of the type is read.
 
         Raises:
-            ConfigurationError: the file cannot be read, or holds no report.
+            ConfigurationError: it cannot be read, or holds no report.
         """
-        try:
-            with path.open("rb") as file:
-                reports = _reports(make_reader(file, decoder_factories=[DecoderFactory()]))
-        except (OSError, McapError) as error:
-            raise ConfigurationError(f"recording '{path}': {error}") from error
+        reports = _reports(path)
         if not reports:
             raise ConfigurationError(f"recording '{path}' holds no {SCHEMA}")
         return cls.from_reports(list(reports.values()), np.array(list(reports)) * 1e-9)
@@ -66,15 +62,13 @@ class ControllerSeries:
         )
 
 
-def _reports(reader: Any) -> dict[int, Any]:
+def _reports(path: Path) -> dict[int, Any]:
     """Stamp [ns] -> report; of a state that was answered twice, the first one."""
-    summary = reader.get_summary()
-    names = {schema.id for schema in summary.schemas.values() if schema.name == SCHEMA}
-    topics = [c.topic for c in summary.channels.values() if c.schema_id in names]
     reports: dict[int, Any] = {}
-    if not topics:
-        return reports
-    for _, _, _, report in reader.iter_decoded_messages(topics=topics[:1]):
-        stamp = report.header.stamp
-        reports.setdefault(stamp.sec * NANOSECONDS + stamp.nanosec, report)
+    first = ""
+    for topic, _, report in read_messages(path, SCHEMA):
+        first = first or topic
+        if topic == first:
+            stamp = report.header.stamp
+            reports.setdefault(stamp.sec * NANOSECONDS + stamp.nanosec, report)
     return dict(sorted(reports.items()))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ghc_controller.errors import ConfigurationError
 from ghc_sim_bridge.analysis.analysis import analyse, analyse_folder
 from ghc_sim_bridge.analysis.balance_summary import balance_lines
 from ghc_sim_bridge.analysis.claims import check_references
@@ -26,6 +27,7 @@ from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.viewer.recording import write_rerun
 
 SUMMARY = "summary.json"
+RECORDING = "recording"
 
 
 def run_and_report(plan: RunPlan) -> dict[str, Any]:
@@ -45,13 +47,7 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
     write_json(plan.folder / SUMMARY, summary)
     for name, figure in run_figures(analysis, outcome.trace).items():
         save_png(figure, plan.folder / f"{name}.png")
-    write_rerun(
-        plan.folder / "recording.rrd",
-        analysis.log,
-        ControllerSeries.from_mcap(plan.folder / "recording.mcap"),
-        load_scene(str(plan.parameters["sim_bridge"]["scene"])),
-        outcome.robot,
-    )
+    _write_rerun(plan, analysis.log, outcome.robot)
     _write_filmstrip(plan, analysis.log)
     if plan.is_default:
         link_default(plan.folder)
@@ -62,6 +58,17 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
         print(balance)
     print(f"results: {plan.folder}", flush=True)
     return summary
+
+
+def _write_rerun(plan: RunPlan, log: FullRateLog, robot: Path) -> None:
+    """The run for the Rerun viewer; a disk that was full may have left no report to show."""
+    try:
+        series = ControllerSeries.from_recording(plan.folder / RECORDING)
+    except ConfigurationError as error:
+        print(f"no recording.rrd: {error}", flush=True)
+        return
+    scene = load_scene(str(plan.parameters["sim_bridge"]["scene"]))
+    write_rerun(plan.folder / "recording.rrd", log, series, scene, robot)
 
 
 def _write_filmstrip(plan: RunPlan, log: FullRateLog) -> None:
@@ -76,18 +83,19 @@ def _write_filmstrip(plan: RunPlan, log: FullRateLog) -> None:
 
 
 def link_default(folder: Path) -> None:
-    """Make the files of the default variant readable one folder higher."""
+    """Make the files and the recording of the default variant readable one folder higher."""
     scenario = folder.parent
     for entry in scenario.iterdir():
         if entry.is_symlink():
             entry.unlink()
     for entry in folder.iterdir():
         link = scenario / entry.name
-        if entry.is_file() and not link.exists():
+        if (entry.is_file() or entry.name == RECORDING) and not link.exists():
             try:
                 link.symlink_to(Path(folder.name) / entry.name)
             except OSError:  # a file system without symbolic links
-                shutil.copy2(entry, link)
+                copy = shutil.copy2 if entry.is_file() else shutil.copytree
+                copy(entry, link)
 
 
 def compare_variants(plans: Sequence[RunPlan]) -> None:

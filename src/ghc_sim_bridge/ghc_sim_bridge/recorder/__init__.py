@@ -1,1 +1,1 @@
-"""Recording of topics into an MCAP file."""
+"""Recording of topics into a rosbag2 folder, and reading of one, also of one that was cut."""

@@ -63,7 +63,7 @@ class BridgeParameters:
 class RecorderParameters:
     """Parameters of recorder."""
 
-    output: str = parameter("", "path of the MCAP file to be written", given)
+    output: str = parameter("", "rosbag2 folder to be written (MCAP and metadata.yaml)", given)
     record_mode: str = parameter(
         "decimated",
         "decimated (fast topics at fast_rate) or full (every message)",

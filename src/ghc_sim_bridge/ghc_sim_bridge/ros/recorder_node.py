@@ -1,4 +1,7 @@
-"""Records every topic to an MCAP file, in a process of its own.
+"""Records every topic to a rosbag2 folder, in a process of its own.
+
+The folder opens at any time, also after a kill: what came in is on the disk twice a second. A
+full disk ends the recording and not the run.
 
 Topics are found as they appear, whatever their names and types. Messages are kept as they came
 over the wire. Fast topics are thinned to a grid of simulated time, unless record_mode is `full`:
@@ -22,16 +25,17 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
-from ghc_controller.errors import ConfigurationError
+from ghc_controller.errors import ConfigurationError, InvalidValue
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import recording_qos
 from ghc_controller.ros.run import guarded, run_node
-from ghc_controller.ros.wire.cdr import read_stamp
+from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
 from ghc_controller.types import NANOSECONDS
+from ghc_sim_bridge.recorder.bag_metadata import BagTopic
 from ghc_sim_bridge.recorder.decimation import Decimator
-from ghc_sim_bridge.recorder.mcap_recording import McapRecording
-from ghc_sim_bridge.recorder.timeline import RecordingTimeline
+from ghc_sim_bridge.recorder.kept_recording import KeptRecording
 from ghc_sim_bridge.ros.message_schema import message_schema
+from ghc_sim_bridge.ros.offered_qos import offered_qos, type_hash
 from ghc_sim_bridge.ros.parameters import RecorderParameters
 
 NODE_NAME = "recorder"
@@ -65,14 +69,19 @@ class Recorder:
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
         self._parameters = p = read_parameters(self.node, RecorderParameters)
         self.executor = p.executor
-        self._recording = McapRecording(Path(p.output))
-        self._timeline = RecordingTimeline(time.time_ns())
+        if p.output.endswith(".mcap"):
+            raise InvalidValue(f"'output' is a folder, such as {p.output.removesuffix('.mcap')}")
+        self._recording = KeptRecording(Path(p.output), self.node.get_logger().error)
         self._stop = stop
         self._known: set[str] = set()
         self._listeners: list[tuple[Subscription, type, Receive]] = []
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
-        self.node.create_timer(DISCOVERY_PERIOD, guarded(stop, self._discover), clock=wall)
+        self.node.create_timer(DISCOVERY_PERIOD, guarded(stop, self._on_timer), clock=wall)
         self._discover()
+
+    def _on_timer(self) -> None:
+        self._discover()
+        self._recording.checkpoint_if_due()
 
     def _discover(self) -> None:
         for topic, types in self.node.get_topic_names_and_types():
@@ -90,7 +99,9 @@ class Recorder:
         full = self._parameters.record_mode == "full"
         offers = self.node.get_publishers_info_by_topic(topic)
         qos = recording_qos([offer.qos_profile for offer in offers], lossless=full or not fast)
-        self._recording.add_topic(topic, type_name, schema, str(qos))
+        self._recording.add_topic(
+            BagTopic(topic, type_name, schema, offered_qos(offers), type_hash(offers))
+        )
         decimator = (
             Decimator(round(NANOSECONDS / self._parameters.fast_rate))
             if fast and not full
@@ -103,17 +114,13 @@ class Recorder:
         self._listeners.append((listener, kind, receive))
 
     def _receive(self, topic: str, decimator: Decimator | None, data: bytes) -> None:
-        # The wall time of reception stands for that of publication: EventsExecutor of Jazzy fails
-        # on callbacks that ask for the middleware's time stamps.
-        if topic == CLOCK_TOPIC:
-            self._timeline.clock(read_stamp(data))
-        if decimator is not None and not decimator.keeps(read_stamp(data)):
-            return
-        now_ns = time.time_ns()
-        self._timeline.write(now_ns, partial(self._write, topic, now_ns, data))
-
-    def _write(self, topic: str, publish_time_ns: int, data: bytes, log_time_ns: int) -> None:
-        self._recording.write(topic, log_time_ns, publish_time_ns, data)
+        # EventsExecutor of Jazzy fails on callbacks that ask for the middleware's time stamps.
+        stamp_ns = read_stamp(data) if len(data) >= STAMP_END else None
+        if topic == CLOCK_TOPIC and stamp_ns is not None:
+            self._recording.clock(stamp_ns)
+        # What is too short for a stamp is not thinned: somebody will look for it.
+        if decimator is None or stamp_ns is None or decimator.keeps(stamp_ns):
+            self._recording.write(topic, data)
 
     def close(self) -> None:
         """Take what is still on the way, and write the file's index."""
@@ -122,8 +129,8 @@ class Recorder:
         while time.monotonic() < end:
             if self._take_waiting() > BACKLOG:
                 end = min(time.monotonic() + GRACE, began + PATIENCE)
+            self._recording.checkpoint_if_due()
             time.sleep(0.01)
-        self._timeline.decide()
         self._recording.close()
 
     def _take_waiting(self) -> int:

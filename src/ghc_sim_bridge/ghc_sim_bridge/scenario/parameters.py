@@ -39,7 +39,7 @@ def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
             "lockstep": plan.options.mode == "lockstep",
         },
         "recorder": {
-            "output": str(folder / "recording.mcap"),
+            "output": str(folder / "recording"),
             "record_mode": plan.options.record,
         },
         "viewer": {"scene": scenario.scene, "robot": scenario.robot},

@@ -10,19 +10,20 @@ import yaml
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robot.urdf import find_urdf
+from ghc_controller.schema.merging import merged
 from ghc_controller.schema.reader import Fields, read_yaml
 
 
 def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) -> Path:
     """Write `source` with `changes` merged in to `target`, and return `target`.
 
-    Mappings merge; tasks and contacts are found by their name (a list of contacts stands in place
-    of the robot's); the URDF becomes an absolute path. Raises UnknownName for a task or contact
-    that the robot has not, ConfigurationError for anything malformed.
+    Mappings merge, null takes a field away; tasks and contacts are found by their name (a list of
+    contacts stands in place of the robot's); the URDF becomes an absolute path. Raises UnknownName
+    for a task or contact that the robot has not, ConfigurationError for anything malformed.
     """
-    merged = _changed(source, changes)
-    merged["urdf"] = str(find_urdf(merged.get("urdf"), source).resolve())
-    target.write_text(yaml.safe_dump(merged, sort_keys=False), encoding="utf-8")
+    robot = _changed(source, changes)
+    robot["urdf"] = str(find_urdf(robot.get("urdf"), source).resolve())
+    target.write_text(yaml.safe_dump(robot, sort_keys=False), encoding="utf-8")
     return target
 
 
@@ -39,18 +40,9 @@ def _changed(source: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
     """What `source` holds, with `changes` merged in."""
     robot = read_yaml(source).values
     named = {key: value for key, value in changes.items() if _is_by_name(key, value)}
-    merged = _merge(robot, {key: value for key, value in changes.items() if key not in named})
+    result = merged(robot, {key: value for key, value in changes.items() if key not in named})
     for kind, by_name in named.items():
-        merged[kind] = _merge_named(source, kind, robot.get(kind, []), by_name)
-    return merged
-
-
-def _merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    result = dict(base)
-    for key, value in changes.items():
-        known = result.get(key)
-        both = isinstance(known, Mapping) and isinstance(value, Mapping)
-        result[key] = _merge(known, value) if both else value  # type: ignore[arg-type]
+        result[kind] = _merge_named(source, kind, robot.get(kind, []), by_name)
     return result
 
 
@@ -71,4 +63,4 @@ def _merge_named(
     for name in changes:
         if name not in names:
             raise UnknownName(f"{kind[:-1]} of {source}", str(name), names)
-    return [_merge(entry, changes.get(entry["name"], {})) for entry in entries]
+    return [merged(entry, changes.get(entry["name"], {})) for entry in entries]

@@ -1,7 +1,8 @@
 """Scenarios as data: what one experiment runs, read from a YAML file.
 
 A scenario names the robot, the scene, the formulation, the task references and the sequence of
-hierarchies. `variants` override top-level fields under a name. Files in the package's folder
+hierarchies. `variants` change fields under a name: mappings merge at any depth, lists and values
+replace, null takes a field away. Files in the package's folder
 `scenario/data/` are found by name; a path finds any other file.
 """
 
@@ -19,6 +20,7 @@ from ghc_controller.registry import Files, Registry, plugged_file
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, Range
+from ghc_controller.schema.merging import merged
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
 from ghc_controller.types import CONTROL_DT
@@ -258,8 +260,8 @@ def load_scenario(name: str, variant: str = "") -> Scenario:
         raise UnknownName(f"variant of scenario '{name}'", variant, names)
     chosen = variant or (names[0] if names else "")
     changes = variants.section(chosen).values if chosen else {}
-    merged = {key: value for key, value in fields.values.items() if key != "variants"} | changes
-    return _read_scenario(Fields(merged, file), file, chosen, names)
+    common = {key: value for key, value in fields.values.items() if key != "variants"}
+    return _read_scenario(Fields(merged(common, changes), file), file, chosen, names)
 
 
 def _read_scenario(

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.limits import overridden
-from ghc_controller.safety.braking import hold_torque
+from ghc_controller.safety.braking import braking_torque
 from ghc_controller.types import CONTROL_DT, Array, Dynamics, RobotState
 from ghc_sim_bridge.errors import SimulationDiverged
 from ghc_sim_bridge.scene.description import SceneDescription, load_scene
@@ -240,7 +240,9 @@ class Simulator:
         Mass matrix and bias are those of the present; `state` may give another velocity.
         """
         velocity = self.state().v if state is None else state.v
-        return hold_torque(self.mass_matrix(), self.bias(), velocity, self.torque_limit)
+        return braking_torque(
+            self.dynamics(), velocity, self.torque_limit, max_acceleration=np.inf
+        )
 
     def contact_jacobian(self) -> Array:
         """(m, nv) velocity per joint velocity of the points that touch now: the normal of each,

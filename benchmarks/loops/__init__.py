@@ -1,0 +1,1 @@
+"""Round trips per second over DDS: `make bench`."""

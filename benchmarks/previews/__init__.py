@@ -1,0 +1,1 @@
+"""Time per plan of the generators: `make bench`."""

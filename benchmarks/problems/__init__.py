@@ -1,0 +1,1 @@
+"""Control problems and what answers are held against, for studies."""

@@ -1,0 +1,1 @@
+"""Ramps of priorities and sweeps of states, for studies."""

@@ -1,0 +1,1 @@
+"""Memory of the generator nodes over time: `make soak`."""

@@ -1,0 +1,1 @@
+"""Time per control step: `make bench`."""

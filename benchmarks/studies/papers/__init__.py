@@ -1,0 +1,1 @@
+"""Studies beside the figures of papers."""
