@@ -12,6 +12,7 @@ from rclpy.node import Node
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.migration.names import Kind, hint
 from ghc_controller.schema.declared import flat, flat_values
+from ghc_controller.schema.domains import NotEmpty
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 
@@ -68,6 +69,8 @@ def read_parameters(
     record = read(given_values, kind, base=base(given_values))
     for entry, value in flat_values(record):
         domain = entry.declaration.domain
+        if isinstance(domain, NotEmpty) and domain.problem(value):  # a default that is no answer
+            raise given_values.error(entry.name, domain.problem(value))
         if node.has_parameter(entry.name):  # declared from outside, without a description
             node.undeclare_parameter(entry.name)
         descriptor = ParameterDescriptor(
