@@ -15,7 +15,8 @@ from ghc_controller.constraints import Constraint, TorqueLimit
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.registry import CONTACTS, make_contact
 from ghc_controller.errors import ConfigurationError, InvalidValue, PluginError, UnknownName
-from ghc_controller.registry import Registry, plugged_file
+from ghc_controller.registry import Registry
+from ghc_controller.schema.plugged_files import plugged_file
 from ghc_controller.schema.reader import Fields
 from ghc_controller.settings import CONSTRAINTS, make_constraints
 from ghc_controller.tasks import TASKS, make_task

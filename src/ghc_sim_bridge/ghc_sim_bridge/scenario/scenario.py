@@ -15,7 +15,8 @@ from typing import Any
 
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
-from ghc_controller.registry import Files, Registry, plugged_file
+from ghc_controller.registry import Registry
+from ghc_controller.schema.plugged_files import Files, plugged_file
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_mpc_constraints.generators import GENERATORS
 from ghc_sim_bridge.scenario.keyframes import Keyframes, read_keyframes
