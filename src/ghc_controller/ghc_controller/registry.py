@@ -15,7 +15,6 @@ from collections.abc import Callable, Collection, Iterator
 from importlib import import_module, metadata
 from inspect import getmodule
 from pathlib import Path
-from types import ModuleType
 from typing import Generic, TypeVar
 
 from ghc_controller.errors import InvalidValue, PluginError, UnknownName
@@ -73,8 +72,8 @@ class Registry(Collection[str], Generic[T]):
             taken = self._registered.get(name)
             if taken is not None and not _same(taken, value):
                 raise InvalidValue(
-                    f"{self.kind} '{name}' is registered twice: by {_source(taken)} and by "
-                    f"{_source(value)}"
+                    f"{self.kind} '{name}' is registered twice: by {source_of(taken)} and by "
+                    f"{source_of(value)}"
                 )
             self._registered[name] = value  # type: ignore[assignment]
             return value
@@ -142,7 +141,7 @@ class Registry(Collection[str], Generic[T]):
                 if entry.name in self._registered:
                     warnings.warn(
                         f"{self.kind} '{entry.name}' of {_origin(entry)} is not used: the name is "
-                        f"taken by {_source(self._registered[entry.name])}",
+                        f"taken by {source_of(self._registered[entry.name])}",
                         stacklevel=3,
                     )
                 else:
@@ -172,59 +171,13 @@ class Registry(Collection[str], Generic[T]):
         return ""
 
 
-Files = str | Path | ModuleType | Callable[[], str | Path]
-
-
-def made(source: object) -> object:
-    """The source itself, or what it returns where it is a function.
-
-    Raises:
-        PluginError: the function raised.
-    """
-    if not callable(source):
-        return source
-    try:
-        return source()
-    except Exception as error:  # whatever a function of another package raises
-        raise PluginError(f"{_source(source)} failed: {type(error).__name__}: {error}") from error
-
-
-def plugged_file(files: object, default: str) -> Path:
-    """File of a robot, scene or scenario, as a registry holds it.
-
-    Args:
-        files: a package whose folder holds the file, the path of the file or its folder, or a
-            function without arguments that returns such a path.
-        default: name of the file in a folder.
-
-    Raises:
-        PluginError: there is no such file, or it is given in another form.
-    """
-    found = made(files)
-    if isinstance(found, ModuleType):
-        candidates = [Path(folder) / default for folder in getattr(found, "__path__", ())]
-    elif isinstance(found, str | Path):
-        path = Path(found).expanduser()
-        candidates = [path / default if path.is_dir() else path]
-    else:
-        candidates = []
-    if not candidates:
-        raise PluginError(
-            f"{found!r} given: a package, a path or a function that returns a path expected"
-        )
-    for file in candidates:
-        if file.is_file():
-            return file
-    raise PluginError(f"file '{candidates[0]}' does not exist")
-
-
 def _same(one: object, other: object) -> bool:
     """Whether two are equal, or one definition that ran twice, as in a notebook's cell."""
     defined = hasattr(one, "__qualname__") and hasattr(other, "__qualname__")
-    return one == other or (defined and _source(one) == _source(other))
+    return one == other or (defined and source_of(one) == source_of(other))
 
 
-def _source(value: object) -> str:
+def source_of(value: object) -> str:
     """Where something that is registered comes from."""
     if isinstance(value, str | Path):
         return str(value)

@@ -7,8 +7,9 @@ from importlib.resources import files
 from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, PluginError
-from ghc_controller.registry import Files, Registry, made, plugged_file
+from ghc_controller.registry import Registry
 from ghc_controller.robot.robot import Robot, load_robot_config
+from ghc_controller.schema.plugged_files import Files, made, plugged_file
 
 ROBOT_FILE = "robot.yaml"
 _DATA = Path(str(files("ghc_controller"))) / "robot" / "data"

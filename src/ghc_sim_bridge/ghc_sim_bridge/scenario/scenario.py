@@ -16,11 +16,12 @@ from typing import Any
 
 from ghc_controller.errors import InvalidField, UnknownName
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
-from ghc_controller.registry import Files, Registry, plugged_file
+from ghc_controller.registry import Registry
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, Range
 from ghc_controller.schema.merging import merged
+from ghc_controller.schema.plugged_files import Files, plugged_file
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
 from ghc_controller.types import CONTROL_DT

@@ -11,9 +11,10 @@ from importlib.resources import files
 from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
-from ghc_controller.registry import Files, Registry, plugged_file
+from ghc_controller.registry import Registry
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.urdf import find_urdf
+from ghc_controller.schema.plugged_files import Files, plugged_file
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
 from ghc_sim_bridge.scene.values import (
