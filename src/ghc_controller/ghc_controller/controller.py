@@ -46,6 +46,7 @@ from ghc_controller.robot.library import load_robot
 from ghc_controller.robot.robot import Robot
 from ghc_controller.safety.braking import braking_torque
 from ghc_controller.safety.gate import OutputGate
+from ghc_controller.safety.rate_anchor import FIRST_SHARE, RateAnchor
 from ghc_controller.settings import Settings, make_constraints
 from ghc_controller.tasks.second_order import second_order_terms
 from ghc_controller.tasks.stack import TaskStack
@@ -88,13 +89,15 @@ class Controller:
         self.gate = OutputGate(
             self.model.torque_limit, self.settings.rate_limit(robot), self.settings.control_dt
         )
+        self._anchor = RateAnchor(
+            self.model.torque_limit, self.gate.torque_step_limit, self.settings.control_dt
+        )
         hierarchy = self.settings.hierarchy or robot.hierarchy
         self.priorities = TransitionSchedule(
             matrix_from_hierarchy(robot.task_names, hierarchy), self.sigma_min_of, self.solvability
         )
         self._priorities = self.priorities.in_force  # of the last step
         self._time = 0.0  # [s] of the last state looked at
-        self._applied: Array | None = None
         self._last: StepResult | None = None
         self._limits: Limits | None = None
         self._contact_rows_seen: ContactRows | None = None  # of the last state looked at
@@ -125,7 +128,7 @@ class Controller:
             task.reset()
         self.formulation.solver.reset()
         self._time = 0.0
-        self._applied = None
+        self._anchor.reset()
         self._last = None
         self._limits = None
         self._contact_rows_seen = None
@@ -238,9 +241,9 @@ class Controller:
         self._events.clear()
         self._priorities = self.priorities.pace(state.time, self.settings.control_dt)
         self.stack.update(model, state, self.references)
-        applied = self._applied if state.torque is None else state.torque
+        before = self._rate_anchor(dynamics, state)
         self.contacts.begin(state.time)
-        limits = self._limits = self._update_limits(dynamics, state, applied)
+        limits = self._limits = self._update_limits(dynamics, state, before)
         self._contact_rows_seen = limits.contact_rows
         after_terms = perf_counter()
         self.formulation.solver.begin_step()
@@ -264,8 +267,8 @@ class Controller:
             boxes = limits.boxes
             if status is StepStatus.SOLVED and (boxes.acceleration.slack or boxes.torque.slack):
                 status = StepStatus.RELAXED
-        gated = self.gate.apply(torque, applied, dynamics, state.v)
-        self._applied = gated.torque
+        gated = self.gate.apply(torque, before, dynamics, state.v)
+        self._anchor.sent(gated.torque, state.time)
         self._count(status, solution.levels_dropped)
         self._last = StepResult(
             state.time,
@@ -338,11 +341,17 @@ class Controller:
             self.references.begin(self.model)
             self.force_references.begin(self.model)
 
-    def _update_limits(
-        self, dynamics: Dynamics, state: RobotState, applied: Array | None
-    ) -> Limits:
+    def _rate_anchor(self, dynamics: Dynamics, state: RobotState) -> Array:
+        """Torque (a,) [Nm] from which the rate limit counts in this step."""
+        if self._anchor.is_set:
+            return self._anchor.at(state.time, state.torque)
+        holding = braking_torque(dynamics, state.v, self.model.torque_limit)
+        room = np.inf if self.model.floating_base else FIRST_SHARE
+        return self._anchor.first(state.torque, holding, room)
+
+    def _update_limits(self, dynamics: Dynamics, state: RobotState, before: Array) -> Limits:
         boxes = self.constraints.update(
-            self.model, dynamics, state, applied, self.settings.control_dt
+            self.model, dynamics, state, before, self.settings.control_dt
         )
         planned = self.force_bounds.at(state.time)
         bounds = self.sensing.confirm(planned, state.time, state.wrenches)

@@ -13,12 +13,12 @@ from ghc_controller.model.limits import JointLimits, overridden
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.task_entries import TaskEntry
 from ghc_controller.robot.urdf import find_urdf
+from ghc_controller.safety.torque_gate import DEFAULT_TORQUE_RATE
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.tasks.registry import make_task
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
 
-_DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s]
 _DEFAULT_BRAKE_ACCELERATION = 5.0  # [rad/s^2]
 
 
@@ -129,7 +129,7 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
     floating_base = fields.flag("floating_base", False)
     limits = fields.section("limits", optional=True)
     model = _build_model(urdf, floating_base, limits)
-    torque_rate = limits.number("torque_rate", _DEFAULT_TORQUE_RATE, minimum=1e-6)
+    torque_rate = limits.number("torque_rate", DEFAULT_TORQUE_RATE, minimum=1e-6)
     brake = limits.number("brake_acceleration", _DEFAULT_BRAKE_ACCELERATION, minimum=1e-6)
     limits.done()
     tasks = _build_tasks(fields, model)

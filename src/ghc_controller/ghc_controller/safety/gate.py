@@ -48,6 +48,7 @@ class OutputGate:
         """
         self._gate = TorqueGate(torque_limit, rate_limit, control_dt)
         self.torque_limit = self._gate.torque_limit
+        self.torque_step_limit = self._gate.torque_step_limit  # [Nm] per control period
         names = (NOT_FINITE, TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN, APPLIED_UNKNOWN)
         self.counts = dict.fromkeys(names, 0)
 

@@ -10,6 +10,7 @@ import numpy as np
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 
+DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s] where a robot's file gives none
 COUNTED_EXCESS = 1e-6  # [Nm] a smaller excess is rounding of the QP: clipped, but not counted
 
 
