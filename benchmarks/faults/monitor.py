@@ -74,7 +74,7 @@ def _columns(topic: str, seen: list[tuple[int, bytes]]) -> dict[str, Any]:
     for wall, data in seen:
         try:
             message = deserialize_message(data, JointState)
-        except Exception:  # noqa: BLE001 - the middleware's own type, whatever it is
+        except Exception:  # the middleware's own type, whatever it is
             others += 1
             continue
         names = names or list(message.name)

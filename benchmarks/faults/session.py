@@ -179,9 +179,7 @@ class Session:
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
 
-    def until(
-        self, condition: Callable[[], Any], what: str, timeout: float = PATIENCE
-    ) -> float:
+    def until(self, condition: Callable[[], Any], what: str, timeout: float = PATIENCE) -> float:
         """Listen until `condition`; how long it took [s]. AssertionError after `timeout` [s]."""
         began = time.monotonic()
         while not condition():

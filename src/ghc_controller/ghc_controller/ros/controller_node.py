@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry
@@ -40,10 +41,11 @@ from ghc_controller.ros.previews import PLANS, PlanInbox
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS, PLAN_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.requests import RequestDesk
-from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.run import run_node, tolerant
 from ghc_controller.ros.status import Accounts
 from ghc_controller.ros.synchronizer import StateGate, Verdict
 from ghc_controller.ros.ticks import TickAnnouncer
+from ghc_controller.ros.timeline import MOST_AHEAD_NS, Timeline
 from ghc_controller.ros.wire.cdr import encode_header, read_stamp
 from ghc_controller.ros.wire.joint_state import (
     JointStateDecoder,
@@ -56,12 +58,13 @@ from ghc_controller.types import NANOSECONDS
 NODE_NAME = "controller"
 ODOMETRY = "odom"
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+MOST_PERIODS = 20  # [-] of control between two states that follow each other, at most
 
 
 class ControllerNode:
     """Wires topics to the controller; no arithmetic here."""
 
-    def __init__(self, stop: Future) -> None:
+    def __init__(self, stop: Future) -> None:  # noqa: ARG002 - nothing that comes in ends it
         """Read the parameters, load the robot, compile, listen.
 
         Raises:
@@ -75,7 +78,10 @@ class ControllerNode:
         self._reader = JointStateReader(self._controller.model.joint_names)
         base = (ODOMETRY,) if self._controller.model.floating_base else ()
         self._gate: StateGate[JointStateValues] = StateGate(
-            base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
+            base + p.wait_for_contacts,
+            p.wait_for_bounds,
+            round(p.bounds_step * NANOSECONDS),
+            Timeline(max(MOST_AHEAD_NS, round(MOST_PERIODS * p.control_dt * NANOSECONDS))),
         )
         self._announcer = TickAnnouncer(
             round(p.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
@@ -83,14 +89,14 @@ class ControllerNode:
         self._rejections = Rejections()
         self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
         self._requests = RequestDesk(
-            self.node, stop, self._controller, p.lockstep, self._gate.forget, self._reject
+            self.node, self._controller, p.lockstep, self._gate.forget, self._reject
         )
         self._accounts = Accounts(self.node, self._controller, self._rejections, p.state_rate)
         self._now: float | None = None  # [s] of the last state
         self._decoder = JointStateDecoder(read_joint_state)
         self._encoder = self._make_encoder("")
         self._command = b""  # serialized, of the last answered state
-        self._publish_and_listen(stop)
+        self._publish_and_listen()
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
             f"{self._controller.formulation.name}, solver {p.qp_solver}: ready"
@@ -102,7 +108,7 @@ class ControllerNode:
                 "name it in the parameter wait_for_contacts"
             )
 
-    def _publish_and_listen(self, stop: Future) -> None:
+    def _publish_and_listen(self) -> None:
         node, p = self.node, self._parameters
         self._commands = node.create_publisher(JointState, "joint_commands", CONTROL_PUBLISHER_QOS)
         self._ticks = node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
@@ -114,7 +120,7 @@ class ControllerNode:
         node.create_subscription(
             JointState,
             "joint_states",
-            guarded(stop, self._on_state),
+            self._tolerant("joint_states", self._on_state),
             CONTROL_SUBSCRIBER_QOS,
             raw=True,
         )
@@ -122,7 +128,7 @@ class ControllerNode:
             node.create_subscription(
                 WrenchStamped,
                 f"contacts/{name}",
-                guarded(stop, partial(self._on_wrench, name)),
+                self._tolerant(f"contacts/{name}", partial(self._on_wrench, name)),
                 CONTROL_SUBSCRIBER_QOS,
                 raw=True,
             )
@@ -130,15 +136,18 @@ class ControllerNode:
             node.create_subscription(
                 Odometry,
                 ODOMETRY,
-                guarded(stop, self._on_odometry),
+                self._tolerant(ODOMETRY, self._on_odometry),
                 CONTROL_SUBSCRIBER_QOS,
                 raw=True,
             )
         for name, kind in PLANS.items():
-            take = guarded(stop, partial(self._plans.take, name))
+            take = self._tolerant(f"constraints/{name}", partial(self._plans.take, name))
             node.create_subscription(kind, f"constraints/{name}", take, PLAN_QOS)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+
+    def _tolerant(self, topic: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        return tolerant(callback, topic, self._reject)
 
     def _make_encoder(self, frame_id: str) -> JointStateEncoder:
         return JointStateEncoder(self._controller.model.joint_names, frame_id, motion=False)
@@ -157,7 +166,7 @@ class ControllerNode:
                     f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as joint_states has it",
                 )
         verdict = self._gate.state(state, state.stamp_ns, state.frame_id)
-        if verdict not in (Verdict.STALE, Verdict.MALFORMED):
+        if verdict not in (Verdict.STALE, Verdict.MALFORMED, Verdict.IMPLAUSIBLE):
             self._announce(self._announcer.on_state(state.stamp_ns, self._gate.epoch))
         self._handle(state, verdict)
 
@@ -192,7 +201,17 @@ class ControllerNode:
         if verdict is Verdict.REPEATED:
             self._commands.publish(self._command)
         elif verdict is Verdict.STALE:
-            self._reject("joint_states.stamp", "older than the last one, in the same epoch")
+            self._reject(
+                "joint_states.stamp",
+                f"{values.stamp_ns / NANOSECONDS:.6f} s of epoch {values.frame_id or '0'} given, "
+                f"older than the last one; {self._gate.timeline.expected()}",
+            )
+        elif verdict is Verdict.IMPLAUSIBLE:
+            self._reject(
+                "joint_states.stamp",
+                f"{values.stamp_ns / NANOSECONDS:.6f} s of epoch {values.frame_id or '0'} given, "
+                f"{self._gate.timeline.expected()}",
+            )
         elif verdict is Verdict.MALFORMED:
             self._reject(
                 "joint_states.frame_id",

@@ -11,7 +11,6 @@ from functools import partial
 
 from ghc_msgs.msg import PriorityTransition, TaskReference, TransitionStatus
 from rclpy.node import Node
-from rclpy.task import Future
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue
@@ -23,7 +22,7 @@ from ghc_controller.ros.conversions.requests import (
     transition_from_message,
 )
 from ghc_controller.ros.qos import RELIABLE_QOS
-from ghc_controller.ros.run import guarded
+from ghc_controller.ros.run import tolerant
 
 
 class RequestDesk:
@@ -32,7 +31,6 @@ class RequestDesk:
     def __init__(
         self,
         node: Node,
-        stop: Future,
         controller: Controller,
         lockstep: bool,
         changed: Callable[[], None],
@@ -58,7 +56,7 @@ class RequestDesk:
             (PriorityTransition, "ghc/priority_transition", self._on_transition),
             (TaskReference, "ghc/task_reference", self._on_reference),
         ):
-            take = guarded(stop, partial(self._after_first_state, handle))
+            take = tolerant(partial(self._after_first_state, handle), topic, reject)
             node.create_subscription(message, topic, take, RELIABLE_QOS)
 
     @property

@@ -33,6 +33,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
+from ghc_controller.errors import GhcError
 from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.conversions.states import read_joint_state
 from ghc_controller.ros.node_parameters import read_parameters
@@ -43,7 +44,7 @@ from ghc_controller.ros.qos import (
     LOSSLESS_PUBLISHER_QOS,
 )
 from ghc_controller.ros.rejections import Rejections
-from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.run import guarded, run_node, tolerant
 from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
 from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
@@ -184,7 +185,9 @@ class SimBridge:
 
     def _listen(self, stop: Future) -> None:
         node = self.node
-        on_command = guarded(stop, self._on_command)
+        # What ends the bridge is the simulation or the disk, never a message.
+        take = tolerant(self._on_command, "message", self._reject, (GhcError, OSError))
+        on_command = guarded(stop, take)
         node.create_subscription(
             JointState, "joint_commands", on_command, CONTROL_SUBSCRIBER_QOS, raw=True
         )
