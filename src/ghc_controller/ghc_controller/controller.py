@@ -98,6 +98,7 @@ class Controller:
         )
         self._priorities = self.priorities.in_force  # of the last step
         self._time = 0.0  # [s] of the last state looked at
+        self._stay = False  # tasks stay where they were when references began
         self._last: StepResult | None = None
         self._limits: Limits | None = None
         self._contact_rows_seen: ContactRows | None = None  # of the last state looked at
@@ -336,9 +337,38 @@ class Controller:
             else None,
         )
 
+    def hold(self) -> None:
+        """Keep the robot where it is at the next state, until `activate`.
+
+        Forgets references and transitions; tasks of the robot's file with a reference of their
+        own stay where they are too.
+        """
+        self._stay = True
+        self.references.reset()
+        self.force_references.reset()
+        self._events += self.priorities.cancel(self._time)
+
+    def activate(self) -> None:
+        """Leave `hold`: tasks without a reference follow the robot's file, or stay."""
+        if self._stay:
+            self._stay = False
+            self.references.begin(self.model)
+
+    def brake(self, state: RobotState) -> Array:
+        """Torque (a,) [Nm] that brakes the robot within torque and rate limits."""
+        self._time = state.time
+        dynamics = self.model.update(state.q, state.v)
+        before = self._rate_anchor(dynamics, state)
+        self.contacts.begin(state.time)
+        rows = self._contact_rows(self.force_bounds.at(state.time), state.time)
+        torque = braking_torque(dynamics, state.v, self.model.torque_limit, contact_rows=rows)
+        gated = self.gate.apply(torque, before, dynamics, state.v)
+        self._anchor.sent(gated.torque, state.time)
+        return gated.torque
+
     def _begin_references(self) -> None:
         if not self.references.has_begun:
-            self.references.begin(self.model)
+            self.references.begin(self.model, self._stay)
             self.force_references.begin(self.model)
 
     def _rate_anchor(self, dynamics: Dynamics, state: RobotState) -> Array:

@@ -23,6 +23,7 @@ from ghc_controller.ros.node_parameters import (
     positive,
     several_of,
 )
+from ghc_controller.safety.modes import Arming
 from ghc_controller.settings import Settings
 
 
@@ -93,6 +94,13 @@ class ControllerParameters:
     lockstep: bool = parameter(
         False, "refuse references and transitions whose start has passed, for repeatable runs"
     )
+    arming: str = parameter(
+        "",
+        "what makes the controller move the robot: request (the first one accepted), explicit "
+        "(the service controller/arm alone) or automatic (the first state; faults are not "
+        "latched); empty = automatic in lockstep, else request",
+        one_of("", *(kind.value for kind in Arming)),
+    )
     state_rate: float = parameter(
         100.0,
         "[Hz] of the robot's time: controller_state; priority_matrix while it changes",
@@ -114,6 +122,12 @@ class ControllerParameters:
         False, "publish /effort_controller/commands as well, order of the robot model"
     )
     executor: str = EXECUTOR
+
+    @property
+    def armed_by(self) -> Arming:
+        """What makes the controller active."""
+        default = Arming.AUTOMATIC if self.lockstep else Arming.REQUEST
+        return Arming(self.arming) if self.arming else default
 
     def settings(self) -> Settings:
         """Settings of the controller; GhcError for a value out of range."""

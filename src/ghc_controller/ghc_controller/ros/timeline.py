@@ -48,12 +48,14 @@ class Timeline:
         self._other: tuple[int, int] | None = None
         self._in_a_row = 0
         self._begun = False
+        self.resumed = False  # whether the message judged last is RESUMED
         self.epoch = 0
         self.last_ns = -1  # [ns] stamp followed last; -1 before the first
 
     def judge(self, stamp_ns: int, epoch: int) -> Place:
         """Where a message belongs; NEXT, RESUMED and RESTARTED move on to it."""
         now = self._clock()
+        self.resumed = False
         if not self._begun:
             new, self._begun = epoch != self.epoch, True
             self._follow(stamp_ns, epoch, now)
@@ -65,7 +67,7 @@ class Timeline:
         older = epoch < self.epoch or (epoch == self.epoch and ahead < 0)
         if not self._confirmed(stamp_ns, epoch, now):
             return Place.OLDER if older else Place.ELSEWHERE
-        same = epoch == self.epoch and ahead > -self.most_ahead_ns
+        self.resumed = same = epoch == self.epoch and ahead > -self.most_ahead_ns
         self._follow(stamp_ns, epoch, now)
         return Place.RESUMED if same else Place.RESTARTED
 

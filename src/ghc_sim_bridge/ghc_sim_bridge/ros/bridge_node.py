@@ -47,6 +47,7 @@ from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node, tolerant
 from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
 from ghc_controller.types import NANOSECONDS
+from ghc_sim_bridge.bridge.command_claim import CommandClaim
 from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.diagnostics import EXPECTED, BridgeDiagnostics
@@ -57,6 +58,11 @@ from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.ros.conversions import obstacles_message
+from ghc_sim_bridge.ros.others import (
+    clock_belongs_to_another,
+    publishers_of,
+    refuse_second_bridge,
+)
 from ghc_sim_bridge.ros.parameters import BridgeParameters
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleSensor
@@ -100,6 +106,9 @@ class SimBridge:
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
         self._parameters = p = read_parameters(self.node, BridgeParameters)
         self.executor = p.executor
+        refuse_second_bridge(self.node)
+        self._claim = CommandClaim()
+        self._clock_is_ours = True
         simulator = Simulator(
             p.scene,
             control_dt=p.control_dt,
@@ -200,19 +209,31 @@ class SimBridge:
 
     def _on_command(self, data: bytes) -> None:
         try:
-            stamp_ns, torque = self._decoder.decode(data, self._cycle.epoch)
+            stamp_ns, torque, sender = self._decoder.decode(data, self._cycle.epoch)
         except CommandRejected as error:
             self._refusal = str(error)
             self._reject(error.field, self._refusal)
             return
+        if self._claim.blocks(sender, time.monotonic()):
+            self._ignore(sender)
+            return
         now_ns = self._cycle.time_ns
         unwanted = self._mode.command(stamp_ns, torque)
+        self._claim.heard(sender, time.monotonic(), used=not unwanted)
         if unwanted:
             given, now = stamp_ns / NANOSECONDS, now_ns / NANOSECONDS
             self._reject(unwanted, f"stamp {given:.6f} s given at t = {now:.6f} s ({unwanted})")
             return
         self._refusal = ""
         self._save_log_at_end()
+
+    def _ignore(self, sender: str) -> None:
+        """A second commander: count it, and name it once in a while."""
+        if self._rejections.count("second_commander", time.monotonic()):
+            self.node.get_logger().warning(
+                f"joint_commands: sender '{sender}' ignored while '{self._claim.sender}' commands "
+                f"the robot; publishers: {', '.join(publishers_of(self.node, 'joint_commands'))}"
+            )
 
     def _on_tick(self) -> None:
         self._mode.tick()
@@ -246,6 +267,12 @@ class SimBridge:
         return answer
 
     def _publish_diagnostics(self) -> None:
+        if self._clock_is_ours and clock_belongs_to_another(self.node):
+            self._clock_is_ours = False
+            self._publisher.mute_clock()
+            self.node.get_logger().warning(
+                "/clock: another bridge publishes it on this network; this one leaves it to it"
+            )
         health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
             diagnostics_message(
