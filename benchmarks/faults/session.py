@@ -14,8 +14,10 @@ from typing import Any, Self
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import (
+    ControllerMode,
     ControllerState,
     ObstacleStateArray,
+    PriorityMatrix,
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
@@ -32,10 +34,12 @@ from benchmarks.faults.monitor import READY
 from ghc_controller.ros.qos import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
+    LATCHED_QOS,
     RELIABLE_QOS,
     STREAM_QOS,
 )
-from ghc_controller.ros.time import nanoseconds_from_time
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
+from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.run.domain import DomainLock
 from ghc_sim_bridge.run.executables import find_executable
 from ghc_sim_bridge.run.processes import NodeProcess
@@ -91,11 +95,15 @@ class Session:
         self.report = ControllerState()
         self.statuses: list[TransitionStatus] = []
         self.diagnostics: dict[str, dict[str, str]] = {}
+        self.mode = ControllerMode()
+        self.matrices: list[PriorityMatrix] = []
         self.answered = 0  # commands heard
         listen(JointState, "joint_states", self._on_state, CONTROL_SUBSCRIBER_QOS)
         listen(JointState, "joint_commands", self._on_command, CONTROL_SUBSCRIBER_QOS)
         listen(ControllerState, "ghc/controller_state", self._on_report, STREAM_QOS)
         listen(TransitionStatus, "ghc/transition_status", self.statuses.append, RELIABLE_QOS)
+        listen(ControllerMode, "ghc/controller_mode", self._on_mode, LATCHED_QOS)
+        listen(PriorityMatrix, "ghc/priority_matrix", self.matrices.append, LATCHED_QOS)
         listen(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def _on_state(self, message: JointState) -> None:
@@ -106,6 +114,9 @@ class Session:
         if tuple(message.name) == JOINTS:
             self.command = message
             self.answered += 1
+
+    def _on_mode(self, message: ControllerMode) -> None:
+        self.mode = message
 
     def _on_report(self, message: ControllerState) -> None:
         self.report = message
@@ -155,6 +166,12 @@ class Session:
         self.until(lambda: READY in process.last_lines(), "the monitor")
         return path
 
+    def kill(self, name: str) -> None:
+        """End a node as a crash does."""
+        process = self.processes.pop(name)
+        process.send(signal.SIGKILL)
+        process.wait(time.monotonic() + 5.0)
+
     def stop(self, name: str) -> int | None:
         """End a node in order; its exit code."""
         process = self.processes.pop(name)
@@ -190,7 +207,8 @@ class Session:
 
     def ready(self) -> None:
         """Wait until states are answered and applied."""
-        self.until(lambda: self.answered > 20, "answers of the controller")
+        count = self.answered
+        self.until(lambda: self.answered > count + 20, "answers of the controller")
         self.until(self.driving, "a robot that is driven")
 
     def driving(self) -> bool:
@@ -216,6 +234,31 @@ class Session:
         self.references.publish(
             TaskReference(task=task, points=[TaskReferencePoint(position=list(position))])
         )
+
+    def forge_state(self, ahead: float = 0.0, **changes: Any) -> None:
+        """One state like the newest one, `ahead` of it [s], with fields changed.
+
+        Joints are named in reverse order, which is sound and tells forged states from true ones.
+        """
+        assert self.state is not None
+        message = JointState(name=JOINTS[::-1])
+        for field in ("position", "velocity", "effort"):
+            given = changes.pop(field, None)
+            values = getattr(self.state, field) if given is None else [given] * len(JOINTS)
+            setattr(message, field, list(values)[::-1])
+        message.header.frame_id = changes.pop("frame_id", self.state.header.frame_id)
+        stamp = nanoseconds_from_time(self.state.header.stamp) + round(ahead * NANOSECONDS)
+        message.header.stamp = changes.pop("stamp", None) or time_from_nanoseconds(stamp)
+        for field, value in changes.items():
+            setattr(message, field, value)
+        self.states_out.publish(message)
+
+    def forge_command(self, effort: float, frame_id: str = "") -> None:
+        """A command of one effort [Nm] for all joints that answers the newest state."""
+        assert self.state is not None
+        message = JointState(name=JOINTS[::-1], effort=[effort] * len(JOINTS))
+        message.header.stamp, message.header.frame_id = self.state.header.stamp, frame_id
+        self.commands_out.publish(message)
 
     def swing(self, seconds: float) -> None:
         """Send the arm to and fro for a while [s]; it is still moving at the end."""
