@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ghc_controller.ros.synchronizer import StateGate, Verdict
-from ghc_controller.ros.timeline import CONFIRMATIONS, MOST_AHEAD_NS, SILENCE, Place, Timeline
+from ghc_controller.ros.wire.timeline import CONFIRMATIONS, MOST_AHEAD_NS, SILENCE, Place, Timeline
 
 MS = 1_000_000  # [ns]
 FOREVER = 2**31 * 1_000_000_000  # [ns]

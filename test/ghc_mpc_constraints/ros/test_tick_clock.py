@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.ros.timeline import CONFIRMATIONS, SILENCE
+from ghc_controller.ros.wire.timeline import CONFIRMATIONS, SILENCE
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.ros.schedule_inbox import ScheduleInbox, TimedSchedule
 from ghc_mpc_constraints.ros.tick_clock import Due, TickClock

@@ -47,7 +47,6 @@ from ghc_controller.ros.run import run_node, tolerant
 from ghc_controller.ros.status import Accounts
 from ghc_controller.ros.synchronizer import StateGate, Verdict
 from ghc_controller.ros.ticks import TickAnnouncer
-from ghc_controller.ros.timeline import MOST_AHEAD_NS, Timeline
 from ghc_controller.ros.wire.cdr import encode_header, read_stamp
 from ghc_controller.ros.wire.joint_state import (
     JointStateDecoder,
@@ -55,6 +54,7 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateValues,
 )
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Timeline
 from ghc_controller.safety.modes import Mode
 from ghc_controller.safety.plausibility import ImplausibleStart, StatePlausibility
 from ghc_controller.types import NANOSECONDS, Array, RobotState

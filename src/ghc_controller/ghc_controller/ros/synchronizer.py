@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Generic, TypeVar
 
-from ghc_controller.ros.timeline import Place, Timeline
 from ghc_controller.ros.wire.epoch import epoch_number
+from ghc_controller.ros.wire.timeline import Place, Timeline
 from ghc_controller.types import Array
 
 M = TypeVar("M")

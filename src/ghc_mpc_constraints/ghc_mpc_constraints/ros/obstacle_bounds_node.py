@@ -20,7 +20,7 @@ from ghc_controller.errors import GhcError
 from ghc_controller.ros.qos import PLAN_QOS, SENSOR_SUBSCRIBER_QOS
 from ghc_controller.ros.run import run_node
 from ghc_controller.ros.time import nanoseconds_from_time
-from ghc_controller.ros.timeline import MOST_AHEAD_NS
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS
 from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds

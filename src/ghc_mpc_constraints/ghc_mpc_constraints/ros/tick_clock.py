@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable
 from enum import Enum
 
-from ghc_controller.ros.timeline import MOST_AHEAD_NS, Place, Timeline
 from ghc_controller.ros.wire.epoch import epoch_number
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Place, Timeline
 
 _MOST_TICKS = 20  # [-] between two announcements that follow each other, at most
 
