@@ -73,6 +73,7 @@ class Session:
             "PYTHONPATH": os.pathsep.join(path or "." for path in sys.path),
         }
         self.processes: dict[str, NodeProcess] = {}
+        self.defaults: dict[str, dict[str, object]] = {}  # executable -> parameters
         self._started = 0
         os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         self._context = Context()
@@ -154,7 +155,7 @@ class Session:
             "sim_bridge": {"scene": SCENE, "mode": "realtime", "control_dt": self.control_dt},
             "controller": {"robot": ROBOT, "control_dt": self.control_dt},
         }.get(executable, {})
-        values = {**defaults, **parameters}
+        values = {**defaults, **self.defaults.get(executable, {}), **parameters}
         arguments = [part for k, v in values.items() for part in ("-p", f"{k}:={v}")]
         command = [str(find_executable(*NODES[executable])), "--ros-args", *arguments]
         return self._run(name, command)
@@ -228,6 +229,10 @@ class Session:
         )
         self.until(lambda: len(self.statuses) > count, "a status", 10.0)
         return self.statuses[count]
+
+    def ask_with_id(self, request: str, hierarchy: str) -> None:
+        """Send a transition under an id; its status is not waited for."""
+        self.transitions.publish(PriorityTransition(id=request, hierarchy=hierarchy, duration=0.2))
 
     def refer(self, position: tuple[float, ...], task: str = "end_effector") -> None:
         """Send a standing reference."""
