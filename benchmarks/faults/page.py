@@ -1,5 +1,7 @@
 """docs/reliability.md, made from the report of a campaign."""
 
+# ruff: noqa: E501 - lines of a page
+
 from __future__ import annotations
 
 from collections.abc import Mapping

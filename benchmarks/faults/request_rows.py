@@ -181,7 +181,12 @@ ROWS = (
         for name, messages in _FLOODS.items()
     ),
     *(
-        Row(f"ONE hierarchy {name}", publish_once(_transition(text)), "requests", quick="x" in name)
+        Row(
+            f"ONE hierarchy {name}",
+            publish_once(_transition(text)),
+            "requests",
+            quick="x" in name,
+        )
         for name, text in _HIERARCHIES.items()
     ),
     *(
@@ -189,17 +194,32 @@ ROWS = (
         for name, message in _REFERENCES.items()
     ),
     *(
-        Row(f"ONE task_reference of {count:g} points", partial(many_points, count), "requests",
-            quick=count == 100_000, limits=_SLOW)
+        Row(
+            f"ONE task_reference of {count:g} points",
+            partial(many_points, count),
+            "requests",
+            quick=count == 100_000,
+            limits=_SLOW,
+        )
         for count in (1_000, 10_000, 100_000)
     ),
-    Row("3000 transitions for one instant", partial(scheduled, "transitions"), "requests",
-        after=3.0, limits=_SLOW),
-    Row("3000 references ahead", partial(scheduled, "references"), "requests", after=3.0,
-        limits=_SLOW),
+    Row(
+        "3000 transitions for one instant",
+        partial(scheduled, "transitions"),
+        "requests",
+        after=3.0,
+        limits=_SLOW,
+    ),
+    Row(
+        "3000 references ahead",
+        partial(scheduled, "references"),
+        "requests",
+        after=3.0,
+        limits=_SLOW,
+    ),
     Row("target 3 m away for 5 s", publish_once(_reference([3.0, 0, 0.5])), "requests", after=5.0),
     Row("transition 1.5 s late", late, "requests", after=2.0, quick=True),
     Row("reset during a transition", partial(resets, 1), "services"),
     Row("100 resets in a second", partial(resets, 100), "services"),
     Row("/clock backwards and forwards", clock, "services"),
-)  # fmt: skip
+)

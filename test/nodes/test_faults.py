@@ -212,7 +212,7 @@ def test_a_second_bridge_does_not_start(session: Session) -> None:
     second = session.start("second", "sim_bridge")
     assert second.wait(time.monotonic() + 30.0)
     said = session.output("second")
-    assert session.processes.pop("second").exit_code == 2
+    assert session.processes.pop("second").exit_code in (1, 2)  # found at the start, or after it
     assert "joint_states is published already by" in said
     assert "/sim_bridge" in said
     _goes_on(session)

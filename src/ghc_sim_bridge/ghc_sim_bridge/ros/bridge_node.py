@@ -59,6 +59,7 @@ from ghc_sim_bridge.bridge.run_mode import RunMode
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.others import (
+    YoungBridge,
     clock_belongs_to_another,
     publishers_of,
     refuse_second_bridge,
@@ -134,6 +135,7 @@ class SimBridge:
         self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
+        self._young = YoungBridge(self.node, lambda: self._cycle.time_ns, stop)
         self._listen(stop)
         self._mode.restart()
         self.node.get_logger().info(
@@ -267,6 +269,7 @@ class SimBridge:
         return answer
 
     def _publish_diagnostics(self) -> None:
+        self._young.look()
         if self._clock_is_ours and clock_belongs_to_another(self.node):
             self._clock_is_ours = False
             self._publisher.mute_clock()
