@@ -86,7 +86,7 @@ def _run_bench(
         path = _start(session, bench, folder)
         for row in rows:
             for seed in range(runs):
-                run = _run(session, bench, row, seed)
+                run = _safe_run(session, bench, row, seed)
                 done.append(run)
                 print(f"{row.name} [{seed}]: recovered {run.recovery}, {run.problem}", flush=True)
         session.stop("monitor")
@@ -148,6 +148,18 @@ def _robot_with_contact(folder: Path) -> Path:
     path = folder / "robot.yaml"
     path.write_text(yaml.safe_dump(values), encoding="utf-8")
     return path
+
+
+def _safe_run(session: Session, bench: Bench, row: Row, seed: int) -> Run:
+    """A run; one after which the robot is not driven again gets new nodes, and does not hold."""
+    begin = time.monotonic()
+    try:
+        return _run(session, bench, row, seed)
+    except AssertionError as error:
+        for name in [name for name in session.processes if name != "monitor"]:
+            session.kill(name)
+        now = time.monotonic()
+        return Run(row.name, seed, begin, begin, now, None, False, (), 0, str(error))
 
 
 def _run(session: Session, bench: Bench, row: Row, seed: int) -> Run:

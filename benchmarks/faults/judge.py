@@ -12,7 +12,7 @@ from ghc_controller.types import Array
 
 TORQUE_LIMIT = np.array([176.0, 176.0, 100.0, 100.0, 100.0, 38.0, 38.0])  # [Nm] kuka_lwr.urdf
 ROUNDING = 1e-6  # [-] of a rate: stamps are whole nanoseconds
-SAME = 1e-9  # [Nm]
+NO_NUMBER = 1e9  # in place of a figure that is not finite
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Run:
 def figures(run: Run, wire: Wire, control_dt: float, velocity_limit: Array) -> dict[str, float]:
     """Figures of the window of a run."""
     part = wire.between(run.begin, run.end)
-    return {
+    values = {
         "states": len(part.stamp),
         "torque_share": part.largest_share(TORQUE_LIMIT),
         "rate_nm_per_s": part.largest_rate(control_dt),
@@ -44,6 +44,8 @@ def figures(run: Run, wire: Wire, control_dt: float, velocity_limit: Array) -> d
         "longest_silence_ms": 1e3 * part.longest_silence(),
         "hold_after_ms": 1e3 * part.hold_after(),
     }
+    # A report is JSON, which has no NaN; `not_finite` says that there was one.
+    return {name: value if np.isfinite(value) else NO_NUMBER for name, value in values.items()}
 
 
 def broken(run: Run, figure: dict[str, float], limits: Limits, may_latch: bool) -> list[str]:
