@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from ghc_msgs.msg import ControllerMode, PriorityTransition, TaskReference, TaskReferencePoint
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from benchmarks.faults.session import Session
 from benchmarks.faults.wire import Wire
+from ghc_controller.ros.qos import CLOCK_QOS, CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 
 RATE = 1000.0 + 1e-3  # [Nm/s] the limit, and what rounding of stamps adds
@@ -237,3 +243,45 @@ def test_a_fault_is_latched_until_it_is_reset(session: Session) -> None:
     assert "holding" in session.call("controller/hold")
     _goes_on(session)
     assert session.mode.mode == ControllerMode.ACTIVE
+
+
+def test_two_robots_in_namespaces_have_one_clock(
+    ros_context: Any, start_node: Callable[..., Any]
+) -> None:
+    """Both bridges run; once they know of each other /clock never goes back."""
+    node = Node("listener", context=ros_context)
+    stamps: list[float] = []
+    seen: set[str] = set()
+    node.create_subscription(
+        Clock, "/clock", lambda m: stamps.append(nanoseconds_from_time(m.clock) * 1e-9), CLOCK_QOS
+    )
+    for side in ("left", "right"):
+        arguments = f"--ros-args -r __ns:=/{side} -p scene:=kuka_lwr -p mode:=realtime".split()
+        start_node("ghc_sim_bridge", "sim_bridge", *arguments)
+        node.create_subscription(
+            JointState, f"/{side}/joint_states", partial(_note, seen, side), CONTROL_SUBSCRIBER_QOS
+        )
+        _spin(node, ros_context, 0.7)  # so that their times differ
+    end = time.monotonic() + 60.0
+    while len(seen) < 2 and time.monotonic() < end:
+        _spin(node, ros_context, 0.1)
+    _spin(node, ros_context, 4.0)
+    stamps.clear()
+    _spin(node, ros_context, 2.0)
+    assert len(stamps) > 100
+    assert (np.diff(stamps) >= 0.0).all()
+    node.destroy_node()
+
+
+def _note(seen: set[str], side: str, _: JointState) -> None:
+    seen.add(side)
+
+
+def _spin(node: Node, context: Any, seconds: float) -> None:
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        executor.spin_once(timeout_sec=0.02)
+    executor.remove_node(node)
+    executor.shutdown()
