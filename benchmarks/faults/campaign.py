@@ -159,7 +159,7 @@ def _safe_run(session: Session, bench: Bench, row: Row, seed: int) -> Run:
         for name in [name for name in session.processes if name != "monitor"]:
             session.kill(name)
         now = time.monotonic()
-        return Run(row.name, seed, begin, begin, now, None, False, (), 0, str(error))
+        return Run(row.name, seed, begin, begin, now, None, False, (), 0, 0, str(error))
 
 
 def _run(session: Session, bench: Bench, row: Row, seed: int) -> Run:
@@ -169,6 +169,7 @@ def _run(session: Session, bench: Bench, row: Row, seed: int) -> Run:
             session.start(name)
     session.ready()
     dropped = session.count("sim_bridge", "dropped_periods")
+    refused = session.refused()
     session.ask("end_effector > elbow > posture", 0.2)
     begin = time.monotonic()
     if row.moving:
@@ -192,7 +193,8 @@ def _run(session: Session, bench: Bench, row: Row, seed: int) -> Run:
     for name in dead:
         session.processes.pop(name)
     lost = max(session.count("sim_bridge", "dropped_periods") - dropped, 0)
-    return Run(row.name, seed, begin, fault, end, recovery, latched, dead, lost, problem)
+    more = max(session.refused() - refused, 0)
+    return Run(row.name, seed, begin, fault, end, recovery, latched, dead, lost, more, problem)
 
 
 def _recovery(session: Session) -> float | None:

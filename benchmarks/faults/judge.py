@@ -28,6 +28,7 @@ class Run:
     latched: bool
     dead: tuple[str, ...]  # nodes that ended and should not have
     dropped: int  # periods that the bridge was too late for, by the machine
+    refused: int = 0  # messages that the nodes counted as rejected: what reached them
     problem: str = ""  # an injection that failed
 
 

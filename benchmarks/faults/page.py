@@ -19,6 +19,7 @@ Bridge and controller run in real time as by hand (`arming:=request`, torque rat
 - **hold**: from the last command before the longest silence to the first state under a hold [ms of the bridge's clock], at most 20 ms and two periods. Only where the controller is killed in motion.
 - **recovery**: wall time from the end of the fault until a state is answered and a request is served, the slowest run [s].
 - **dropped**: control periods that the bridge was too late for, all runs together: starvation by the machine, not by the fault.
+- **refused**: messages that the nodes counted as rejected, as of diagnostics once a second, all runs together. Forged messages that are sound in themselves (repeats, efforts) are not among them.
 - **latched**: runs that ended in a latched fault, which was then reset. Where this is no stated outcome the row does not hold.
 
 """
@@ -40,7 +41,7 @@ def write_page(report: Mapping[str, Any], path: Path) -> None:
     for group in dict.fromkeys(row["group"] for row in rows):
         text += f"\n## {group.capitalize().replace('_', ' ')}\n\n"
         text += "| fault | runs | torque | rate | commanded | speed | hold | recovery | dropped | "
-        text += "latched | holds |\n|---|---|---|---|---|---|---|---|---|---|---|\n"
+        text += "refused | latched | holds |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n"
         text += "".join(_line(row) for row in rows if row["group"] == group)
     wrong = [row for row in rows if not row["holds"]]
     if wrong:
@@ -70,6 +71,7 @@ def _line(row: Mapping[str, Any]) -> str:
         held,
         recovery,
         f"{sum(run['dropped'] for run in runs)}",
+        f"{sum(run['refused'] for run in runs)}",
         f"{sum(run['latched'] for run in runs) or ''}",
         "yes" if row["holds"] else "**no**",
     ]

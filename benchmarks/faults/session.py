@@ -282,6 +282,15 @@ class Session:
         self.node.destroy_client(client)
         return str(future.result().message)
 
+    def refused(self) -> int:
+        """Messages that all nodes have rejected so far, as of their last diagnostics."""
+        return sum(
+            int(value)
+            for values in self.diagnostics.values()
+            for key, value in values.items()
+            if key.startswith("rejected_")
+        )
+
     def count(self, node: str, key: str) -> int:
         """A counter of the diagnostics of a node."""
         return int(self.diagnostics.get(node, {}).get(key, 0))

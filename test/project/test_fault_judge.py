@@ -106,4 +106,4 @@ def test_the_page_names_rows_that_do_not_hold(tmp_path: Path) -> None:
 
 def _as_entry() -> dict[str, object]:
     entry: dict[str, object] = dict(figures(RUN, _wire(), DT, VELOCITY_LIMIT))
-    return entry | {"recovery": 0.1, "dropped": 0, "latched": False}
+    return entry | {"recovery": 0.1, "dropped": 0, "refused": 0, "latched": False}

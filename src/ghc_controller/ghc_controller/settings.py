@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ghc_controller.constraints import (
     Constraint,
     ConstraintSet,
@@ -17,6 +19,7 @@ from ghc_controller.constraints import (
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import DEFAULT_FORMULATION, FormulationSettings
 from ghc_controller.robot.robot import Robot
+from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +52,8 @@ class Settings:
             if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
                 raise InvalidValue(f"{name} = {getattr(self, name)} given, at least 0 expected")
 
-    def rate_limit(self, robot: Robot) -> float:
-        """Torque rate limit in force [Nm/s]; 0 = off."""
+    def rate_limit(self, robot: Robot) -> Array | float:
+        """Torque rate limit in force [Nm/s], one number or (a,); 0 = off."""
         return robot.torque_rate if self.torque_rate_limit < 0.0 else self.torque_rate_limit
 
 
@@ -64,7 +67,7 @@ def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
                 settings.torque_bound, model.na, settings.torque_bound_around, "torque_bound"
             )
         )
-    if settings.rate_limit(robot) > 0.0:
+    if np.max(settings.rate_limit(robot)) > 0.0:
         constraints.append(TorqueRateLimit(settings.rate_limit(robot), model.na))
     if settings.position_limits:
         constraints.append(

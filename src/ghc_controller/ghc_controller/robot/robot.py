@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
 from ghc_controller.model.limits import JointLimits, overridden
@@ -33,7 +35,7 @@ class Robot:
     limits:                      # optional; a number, or a map joint -> number, overrides the URDF
       velocity: 1.2              # [rad/s]
       torque: {joint_1: 100.0}   # [Nm]
-      torque_rate: 1000.0        # [Nm/s], one number
+      torque_rate: 1000.0        # [Nm/s]; joints that a map leaves out have the default, 1000
       brake_acceleration: 5.0    # [rad/s^2], one number: what braking before a limit may use
     tasks:                       # names unique; fields by kind: see the files of tasks/
       - {name: hand, kind: frame_position, frame: tool, stiffness: 30.0, damping: 20.0}
@@ -57,7 +59,7 @@ class Robot:
     name: str
     urdf: Path
     floating_base: bool
-    torque_rate: float  # [Nm/s]
+    torque_rate: float | Array  # [Nm/s], one number or (a,)
     brake_acceleration: float  # [rad/s^2]
     model: RobotModel  # with the limits of the file
     tasks: tuple[Task, ...]  # k tasks, in the order of the file
@@ -129,7 +131,7 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
     floating_base = fields.flag("floating_base", False)
     limits = fields.section("limits", optional=True)
     model = _build_model(urdf, floating_base, limits)
-    torque_rate = limits.number("torque_rate", DEFAULT_TORQUE_RATE, minimum=1e-6)
+    torque_rate = _torque_rate(limits, model.joint_names)
     brake = limits.number("brake_acceleration", _DEFAULT_BRAKE_ACCELERATION, minimum=1e-6)
     limits.done()
     tasks = _build_tasks(fields, model)
@@ -139,6 +141,20 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
     return Robot(
         path, name, urdf, floating_base, torque_rate, brake, model, tasks, hierarchy, contacts
     )
+
+
+def _torque_rate(limits: Fields, joint_names: tuple[str, ...]) -> float | Array:
+    given = limits.value("torque_rate", DEFAULT_TORQUE_RATE)
+    if not isinstance(given, dict):
+        return limits.number("torque_rate", DEFAULT_TORQUE_RATE, minimum=1e-6)
+    usual = np.full(len(joint_names), DEFAULT_TORQUE_RATE)
+    try:
+        rate = overridden(usual, limits.number_or_map("torque_rate"), joint_names, "torque_rate")
+    except GhcError as error:
+        raise limits.error("torque_rate", str(error)) from error
+    if not (rate > 0.0).all():
+        raise limits.error("torque_rate", f"numbers above 0 expected, {given} given")
+    return rate
 
 
 def _build_model(urdf: Path, floating_base: bool, limits: Fields) -> RobotModel:

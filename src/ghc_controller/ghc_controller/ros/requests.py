@@ -136,7 +136,8 @@ class RequestDesk:
             topic, data = self._incoming.get()
             while len(self._ready) >= MOST_WAITING:
                 try:
-                    self._incoming.get(timeout=0.01)  # no state comes: the newest are dropped
+                    dropped, _ = self._incoming.get(timeout=0.01)  # no state comes
+                    self._reject(dropped, f"more than {MOST_WAITING} requests wait: dropped")
                 except Empty:
                     continue
             self._ready.append(self._prepared(topic, data))

@@ -56,7 +56,7 @@ def hold_torque(
     velocity: Array,
     torque_limit: Array,
     previous: Array | None = None,
-    torque_step: float = np.inf,
+    torque_step: Array | float = np.inf,
 ) -> Array:
     """Torque (n,) [Nm] that keeps a robot at rest where it is, and brings it to rest if it moves.
 
@@ -70,10 +70,11 @@ def hold_torque(
         velocity: (n,) [rad/s]
         torque_limit: (n,) [Nm], inf where there is none
         previous: (n,) [Nm] torque applied over the last control period
-        torque_step: largest change from `previous` per control period [Nm]; inf = no limit
+        torque_step: largest change from `previous` per control period [Nm], one number or (n,);
+            inf = no limit
     """
     lower, upper = -torque_limit, torque_limit
-    if previous is not None and np.isfinite(torque_step):
+    if previous is not None:
         # Where the last torque is itself outside the limits, the limits win.
         lower = np.minimum(np.maximum(lower, previous - torque_step), upper)
         upper = np.maximum(np.minimum(upper, previous + torque_step), -torque_limit)

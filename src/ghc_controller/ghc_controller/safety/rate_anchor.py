@@ -22,12 +22,12 @@ class RateAnchor:
     reported in between.
     """
 
-    def __init__(self, torque_limit: Array, torque_step: float, control_dt: float) -> None:
+    def __init__(self, torque_limit: Array, torque_step: Array, control_dt: float) -> None:
         """Nothing sent yet.
 
         Args:
             torque_limit: (a,) [Nm], inf where there is none.
-            torque_step: [Nm] largest change in one control period; inf = no limit.
+            torque_step: (a,) [Nm] largest change in one control period; inf = no limit.
             control_dt: [s] control period.
         """
         self._limit = torque_limit

@@ -19,10 +19,6 @@ Observe = Callable[[ControlCycle], None]  # publishes what a sensor has at the c
 WORLD_FRAME = "world"
 
 
-def _nowhere(_: Any) -> None:
-    """Publishes nothing."""
-
-
 class StatePublisher:
     """Sensors first: whoever has a joint state can have wrenches, odometry and obstacles of its
     stamp.
@@ -40,6 +36,7 @@ class StatePublisher:
     ) -> None:
         """Where the serialized messages go; `contacts` by contact name, empty for none, and
         `odometry` of a robot whose base floats."""
+        self.has_clock = True  # False while another bridge publishes it
         self._observe = observe
         self._joint_states = joint_states
         self._clock = clock
@@ -49,10 +46,6 @@ class StatePublisher:
         self._encoder: JointStateEncoder | None = None
         self._base: OdometryEncoder | None = None
         self._epoch = -1
-
-    def mute_clock(self) -> None:
-        """Leave the clock to somebody else."""
-        self._clock = _nowhere
 
     def publish(self, cycle: ControlCycle) -> None:
         """Send the current state of `cycle`."""
@@ -70,4 +63,5 @@ class StatePublisher:
             self._odometry(self._base.encode(stamp, base.pose, base.velocity))
         q, v = cycle.measured
         self._joint_states(self._encoder.encode(stamp, cycle.simulator.torque, q, v))
-        self._clock(encode_clock(stamp))
+        if self.has_clock:
+            self._clock(encode_clock(stamp))

@@ -109,7 +109,6 @@ class SimBridge:
         self.executor = p.executor
         refuse_second_bridge(self.node)
         self._claim = CommandClaim()
-        self._clock_is_ours = True
         simulator = Simulator(
             p.scene,
             control_dt=p.control_dt,
@@ -270,12 +269,12 @@ class SimBridge:
 
     def _publish_diagnostics(self) -> None:
         self._young.look()
-        if self._clock_is_ours and clock_belongs_to_another(self.node):
-            self._clock_is_ours = False
-            self._publisher.mute_clock()
+        has_clock = not clock_belongs_to_another(self.node)
+        if self._publisher.has_clock and not has_clock:
             self.node.get_logger().warning(
                 "/clock: another bridge publishes it on this network; this one leaves it to it"
             )
+        self._publisher.has_clock = has_clock
         health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
             diagnostics_message(
