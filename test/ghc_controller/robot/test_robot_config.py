@@ -216,3 +216,14 @@ def test_limits_that_the_urdf_lacks_are_asked_for(tmp_path: Path) -> None:
         ConfigurationError, match=r"limits.torque: the URDF gives 0 for joint 'hip'"
     ):
         load_robot_config(tmp_path / "robot.yaml")
+
+
+def test_torque_rate_by_joint(tmp_path: Path) -> None:
+    """Joints that the map leaves out keep the default; names and signs are checked."""
+    config = _load(tmp_path, limits={"torque_rate": {"knee": 200.0}})
+    rates = dict(zip(config.model.joint_names, np.array(config.torque_rate), strict=True))
+    assert rates.pop("knee") == 200.0
+    assert set(rates.values()) == {1000.0}
+    for given, text in (({"knee": 0.0}, "above 0 expected"), ({"elbow": 5.0}, "elbow")):
+        with pytest.raises(ConfigurationError, match=text):
+            _load(tmp_path, limits={"torque_rate": given})
