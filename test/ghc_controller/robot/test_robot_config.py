@@ -224,6 +224,6 @@ def test_torque_rate_by_joint(tmp_path: Path) -> None:
     rates = dict(zip(config.model.joint_names, np.array(config.torque_rate), strict=True))
     assert rates.pop("knee") == 200.0
     assert set(rates.values()) == {1000.0}
-    for given, text in (({"knee": 0.0}, "above 0 expected"), ({"elbow": 5.0}, "elbow")):
+    for given, text in (({"knee": 0.0}, "a positive number expected"), ({"elbow": 5.0}, "elbow")):
         with pytest.raises(ConfigurationError, match=text):
             _load(tmp_path, limits={"torque_rate": given})

@@ -144,17 +144,14 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
 
 
 def _torque_rate(limits: Fields, joint_names: tuple[str, ...]) -> float | Array:
-    given = limits.value("torque_rate", DEFAULT_TORQUE_RATE)
-    if not isinstance(given, dict):
+    if not isinstance(limits.value("torque_rate", DEFAULT_TORQUE_RATE), dict):
         return limits.number("torque_rate", DEFAULT_TORQUE_RATE, minimum=1e-6)
     usual = np.full(len(joint_names), DEFAULT_TORQUE_RATE)
+    given = limits.number_or_map("torque_rate")
     try:
-        rate = overridden(usual, limits.number_or_map("torque_rate"), joint_names, "torque_rate")
+        return overridden(usual, given, joint_names, "torque_rate")
     except GhcError as error:
         raise limits.error("torque_rate", str(error)) from error
-    if not (rate > 0.0).all():
-        raise limits.error("torque_rate", f"numbers above 0 expected, {given} given")
-    return rate
 
 
 def _build_model(urdf: Path, floating_base: bool, limits: Fields) -> RobotModel:
