@@ -23,10 +23,11 @@ StartBridge = Callable[..., Any]
 
 @pytest.fixture
 def start_bridge(start_node: Callable[..., Any]) -> StartBridge:
-    """Start the bridge with parameters given by keyword."""
+    """Start the bridge with parameters given by keyword; its rate limit is off by default."""
 
     def start(**parameters: object) -> Any:
-        arguments = [f"{name}:={value}" for name, value in ({"scene": ROBOT} | parameters).items()]
+        values = {"scene": ROBOT, "torque_rate_limit": 0.0} | parameters
+        arguments = [f"{name}:={value}" for name, value in values.items()]
         pairs = [part for argument in arguments for part in ("-p", argument)]
         return start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", *pairs)
 

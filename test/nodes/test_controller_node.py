@@ -119,30 +119,12 @@ class Robot:
         return {c.name: c.count for c in self.states[-1].counts}.get(name, 0)
 
 
-@pytest.fixture
-def robot(
-    ros_context: Any, start_node: Callable[..., Any], request: pytest.FixtureRequest
-) -> Iterator[Robot]:
-    """A robot with a controller that has answered its first state; param: its formulation."""
-    # state_rate = 1 / control_dt: every step is reported
-    start_node(
-        "ghc_controller",
-        "controller",
-        *[
-            "--ros-args",
-            "-p",
-            "robot:=kuka_lwr",
-            "-p",
-            f"formulation:={getattr(request, 'param', DEFAULT_FORMULATION)}",
-            "-p",
-            "state_rate:=1000.0",
-            "-p",
-            "lockstep:=true",
-            "-p",
-            f"formulation:={getattr(request, 'param', DEFAULT_FORMULATION)}",
-        ],
-    )
-    robot = Robot(ros_context)
+def _connected(context: Any, start_node: Callable[..., Any], **parameters: object) -> Robot:
+    """A robot with a controller that has answered its first state."""
+    values = {"robot": "kuka_lwr", "state_rate": 1000.0, "lockstep": "true"} | parameters
+    pairs = [part for name, value in values.items() for part in ("-p", f"{name}:={value}")]
+    start_node("ghc_controller", "controller", "--ros-args", *pairs)
+    robot = Robot(context)
     robot.answer()
     robot.until(
         lambda: (
@@ -153,6 +135,16 @@ def robot(
         ),
         robot.publish,
     )
+    return robot
+
+
+@pytest.fixture
+def robot(
+    ros_context: Any, start_node: Callable[..., Any], request: pytest.FixtureRequest
+) -> Iterator[Robot]:
+    """A connected robot, its torques decided by the state alone; param: its formulation."""
+    formulation = getattr(request, "param", DEFAULT_FORMULATION)
+    robot = _connected(ros_context, start_node, formulation=formulation, torque_rate_limit=0.0)
     yield robot
     robot.node.destroy_node()
 
@@ -373,18 +365,20 @@ def test_references(robot: Robot) -> None:
     assert _reference(robot) == [0.4, 0.1, 0.5]
 
 
-def test_torque_stays_inside_rate_and_limits(robot: Robot) -> None:
-    """A target far away: no command steps by more than 1 Nm per ms from the applied torque."""
+def test_torque_stays_inside_rate_and_limits(
+    ros_context: Any, start_node: Callable[..., Any]
+) -> None:
+    """A target far away: no command steps by more than 1 Nm per ms, whatever is reported."""
+    robot = _connected(ros_context, start_node)
     far = TaskReference(task="end_effector")
-    far.points = [TaskReferencePoint(position=[50.0, -50.0, 50.0])]
-    robot.step()
+    far.points = [TaskReferencePoint(position=[1.5, -1.5, 1.5])]
+    before = list(robot.step().effort)
     robot.refer(far)
-    applied = [0.0] * 7
-    for _ in range(100):
-        command = list(robot.step(effort=applied).effort)
-        assert np.abs(np.subtract(command, applied)).max() <= 1.0 + 1e-9
+    for lie in [-1e4, 0.0, 1e300, 30.0] * 25:
+        command = list(robot.step(effort=[lie] * 7).effort)
+        assert np.abs(np.subtract(command, before)).max() <= 1.0 + 1e-9
         assert (np.abs(command) <= [176, 176, 100, 100, 100, 38, 38]).all()
-        applied = command
+        before = command
 
 
 BAD_PARAMETERS: list[tuple[str, list[str]]] = [

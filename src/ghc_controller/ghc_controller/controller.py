@@ -40,6 +40,7 @@ from ghc_controller.robot.library import load_robot
 from ghc_controller.robot.robot import Robot
 from ghc_controller.safety.braking import braking_torque
 from ghc_controller.safety.gate import OutputGate
+from ghc_controller.safety.rate_anchor import FIRST_SHARE, RateAnchor
 from ghc_controller.settings import Settings, make_constraints
 from ghc_controller.tasks.second_order import second_order_terms
 from ghc_controller.tasks.stack import TaskStack
@@ -82,13 +83,16 @@ class Controller(Requests, Account):
         self.gate = OutputGate(
             self.model.torque_limit, self.settings.rate_limit(robot), self.settings.control_dt
         )
+        self._anchor = RateAnchor(
+            self.model.torque_limit, self.gate.torque_step_limit, self.settings.control_dt
+        )
         hierarchy = self.settings.hierarchy or robot.hierarchy
         self.priorities = TransitionSchedule(
             matrix_from_hierarchy(robot.task_names, hierarchy), self.sigma_min_of, self.solvability
         )
         self._priorities = self.priorities.in_force  # of the last step
         self._time = 0.0  # [s] of the last state looked at
-        self._applied: Array | None = None
+        self._stay = False  # tasks stay where they were when references began
         self._last: StepResult | None = None
         self._limits: Limits | None = None
         self._contact_rows_seen: ContactRows | None = None  # of the last state looked at
@@ -119,7 +123,7 @@ class Controller(Requests, Account):
             task.reset()
         self.formulation.solver.reset()
         self._time = 0.0
-        self._applied = None
+        self._anchor.reset()
         self._last = None
         self._limits = None
         self._contact_rows_seen = None
@@ -150,9 +154,9 @@ class Controller(Requests, Account):
         self._events.clear()
         self._priorities = self.priorities.pace(state.time, self.settings.control_dt)
         self.stack.update(model, state, self.references)
-        applied = self._applied if state.torque is None else state.torque
+        before = self._rate_anchor(dynamics, state)
         self.contacts.begin(state.time)
-        limits = self._limits = self._update_limits(dynamics, state, applied)
+        limits = self._limits = self._update_limits(dynamics, state, before)
         self._contact_rows_seen = limits.contact_rows
         after_terms = perf_counter()
         self.formulation.solver.begin_step()
@@ -176,8 +180,8 @@ class Controller(Requests, Account):
             boxes = limits.boxes
             if status is StepStatus.SOLVED and (boxes.acceleration.slack or boxes.torque.slack):
                 status = StepStatus.RELAXED
-        gated = self.gate.apply(torque, applied, dynamics, state.v)
-        self._applied = gated.torque
+        gated = self.gate.apply(torque, before, dynamics, state.v)
+        self._anchor.sent(gated.torque, state.time)
         self._count(status, solution.levels_dropped)
         self._last = StepResult(
             state.time,
@@ -219,16 +223,51 @@ class Controller(Requests, Account):
             else None,
         )
 
+    def hold(self) -> None:
+        """Keep the robot where it is at the next state, until `activate`.
+
+        Forgets references and transitions; tasks of the robot's file with a reference of their
+        own stay where they are too.
+        """
+        self._stay = True
+        self.references.reset()
+        self.force_references.reset()
+        self._events += self.priorities.cancel(self._time)
+
+    def activate(self) -> None:
+        """Leave `hold`: tasks without a reference follow the robot's file, or stay."""
+        if self._stay:
+            self._stay = False
+            self.references.begin(self.model)
+
+    def brake(self, state: RobotState) -> Array:
+        """Torque (a,) [Nm] that brakes the robot within torque and rate limits."""
+        self._time = state.time
+        dynamics = self.model.update(state.q, state.v)
+        before = self._rate_anchor(dynamics, state)
+        self.contacts.begin(state.time)
+        rows = self._contact_rows(self.force_bounds.at(state.time), state.time)
+        torque = braking_torque(dynamics, state.v, self.model.torque_limit, contact_rows=rows)
+        gated = self.gate.apply(torque, before, dynamics, state.v)
+        self._anchor.sent(gated.torque, state.time)
+        return gated.torque
+
     def _begin_references(self) -> None:
         if not self.references.has_begun:
-            self.references.begin(self.model)
+            self.references.begin(self.model, self._stay)
             self.force_references.begin(self.model)
 
-    def _update_limits(
-        self, dynamics: Dynamics, state: RobotState, applied: Array | None
-    ) -> Limits:
+    def _rate_anchor(self, dynamics: Dynamics, state: RobotState) -> Array:
+        """Torque (a,) [Nm] from which the rate limit counts in this step."""
+        if self._anchor.is_set:
+            return self._anchor.at(state.time, state.torque)
+        holding = braking_torque(dynamics, state.v, self.model.torque_limit)
+        room = np.inf if self.model.floating_base else FIRST_SHARE
+        return self._anchor.first(state.torque, holding, room)
+
+    def _update_limits(self, dynamics: Dynamics, state: RobotState, before: Array) -> Limits:
         boxes = self.constraints.update(
-            self.model, dynamics, state, applied, self.settings.control_dt
+            self.model, dynamics, state, before, self.settings.control_dt
         )
         planned = self.force_bounds.at(state.time)
         bounds = self.sensing.confirm(planned, state.time, state.wrenches)

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ghc_controller.constraints import (
     Constraint,
     ConstraintSet,
@@ -22,7 +24,7 @@ from ghc_controller.robot.robot import Robot
 from ghc_controller.schema.declared import check, declared, inline
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 from ghc_controller.schema.record import from_mapping, read
-from ghc_controller.types import CONTROL_DT
+from ghc_controller.types import CONTROL_DT, Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +91,8 @@ class Settings:
     def __post_init__(self) -> None:
         check(self)
 
-    def rate_limit(self, robot: Robot) -> float:
-        """Torque rate limit in force [Nm/s]; 0 = off."""
+    def rate_limit(self, robot: Robot) -> Array | float:
+        """Torque rate limit in force [Nm/s], one number or (a,); 0 = off."""
         return robot.torque_rate if self.torque_rate_limit < 0.0 else self.torque_rate_limit
 
 
@@ -118,7 +120,7 @@ def _torque_bound(robot: Robot, settings: Settings) -> Constraint | None:
 @register_constraint("torque_rate")
 def _torque_rate(robot: Robot, settings: Settings) -> Constraint | None:
     rate = settings.rate_limit(robot)
-    return TorqueRateLimit(rate, robot.model.na) if rate > 0.0 else None
+    return TorqueRateLimit(rate, robot.model.na) if np.max(rate) > 0.0 else None
 
 
 @register_constraint("joint_position")

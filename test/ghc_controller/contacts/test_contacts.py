@@ -133,7 +133,7 @@ def test_the_force_follows_its_reference_up_to_the_bound(robot: Robot, formulati
 
 def test_bounds_that_torques_cannot_meet_give_way_and_are_named(robot: Robot) -> None:
     """A smallest force that would need more torque than there is yields, by name."""
-    contact = _contact(robot, friction=0.4, active=True)
+    contact = _contact(robot, friction=0.4, active=True, force_upper=6000.0)
     controller = Controller(replace(robot, contacts=(contact,)), Settings(torque_rate_limit=0.0))
     q = np.array([0.0, 0.4, 0.1, 1.0, -0.4, -0.9, 0.0])
     controller.force_bounds.follow(_plan(["tip"], [5000.0], [6000.0]))

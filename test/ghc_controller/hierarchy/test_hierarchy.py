@@ -187,6 +187,20 @@ def test_the_result_does_not_depend_on_the_sampling() -> None:
     assert np.allclose(fine.alpha, coarse.alpha, atol=1e-12)
 
 
+@pytest.mark.parametrize("late", [0.1, 1.0, 30.0])
+def test_a_late_transition_begins_now_and_alpha_does_not_jump(late: float) -> None:
+    """Its start has passed, also that of the running ramp: both begin where alpha stands."""
+    schedule = _schedule()
+    schedule.add(_to("elbow > end_effector > posture", 5.0, 2.0), 0.0)
+    schedule.advance(6.0)
+    before = np.array(schedule.alpha)
+    schedule.add(_to("posture > elbow > end_effector", 6.0 - late, 2.0), 6.0)
+    schedule.advance(6.001)
+    assert np.abs(schedule.alpha - before).max() < 1e-3
+    schedule.advance(8.0)
+    assert schedule.is_settled
+
+
 def test_zero_duration_switches_at_once() -> None:
     """Duration 0: the target from the very tick of the start."""
     schedule = _schedule()

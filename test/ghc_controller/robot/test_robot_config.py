@@ -227,3 +227,14 @@ def test_a_posture_in_degrees_is_refused(tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(yaml.safe_dump(values), encoding="utf-8")
     with pytest.raises(ConfigurationError, match="30 for joint 'joint_1' is beyond its limits"):
         load_robot_config(tmp_path / "robot.yaml")
+
+
+def test_torque_rate_by_joint(tmp_path: Path) -> None:
+    """Joints that the map leaves out keep the default; names and signs are checked."""
+    config = _load(tmp_path, limits={"torque_rate": {"knee": 200.0}})
+    rates = dict(zip(config.model.joint_names, np.array(config.torque_rate), strict=True))
+    assert rates.pop("knee") == 200.0
+    assert set(rates.values()) == {1000.0}
+    for given, text in (({"knee": 0.0}, "a positive number expected"), ({"elbow": 5.0}, "elbow")):
+        with pytest.raises(ConfigurationError, match=text):
+            _load(tmp_path, limits={"torque_rate": given})

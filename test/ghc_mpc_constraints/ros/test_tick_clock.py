@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.ros.wire.timeline import CONFIRMATIONS, SILENCE
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.ros.schedule_inbox import ScheduleInbox, TimedSchedule
 from ghc_mpc_constraints.ros.tick_clock import Due, TickClock
@@ -36,11 +37,16 @@ def test_repeats_are_answered_alike_and_a_missed_tick_is_made_up_for() -> None:
     assert clock.judge(20 * MS, "") is Due.PLAN
 
 
-def test_time_runs_backwards_only_with_a_new_epoch() -> None:
-    clock = TickClock(10 * MS)
+def test_time_runs_backwards_only_with_a_confirmed_epoch() -> None:
+    wall = [0.0]
+    clock = TickClock(10 * MS, lambda: wall[0])
     clock.judge(50 * MS, "0")
     clock.planned(50 * MS)
     assert clock.judge(30 * MS, "0") is Due.STALE
+    for _ in range(CONFIRMATIONS - 1):
+        wall[0] += SILENCE
+        assert clock.judge(0, "1") is Due.IMPLAUSIBLE
+    wall[0] += SILENCE
     news = []
     for _ in range(2):
         assert clock.judge(0, "1") in (Due.PLAN, Due.REPEAT)

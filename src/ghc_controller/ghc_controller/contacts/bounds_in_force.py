@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ghc_controller.contacts.contact import Contact, OnStale
 from ghc_controller.contacts.normal_bounds import NormalBounds, Way
-from ghc_controller.errors import UnknownName
+from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.previews.bounds_plan import ForceBoundsPlan
 
 _AGE_TOLERANCE = 1e-9  # [s]
@@ -50,10 +51,14 @@ class BoundsInForce:
 
         Returns:
             What is wrong with each contact that was left out; empty when none was.
+
+        Raises:
+            InvalidValue: a lower bound above what the robot's file allows; the plan before stays.
         """
         unknown = tuple(name for name in plan.contacts if name not in self._names)
         if unknown:
             plan = plan.without(unknown)
+        plan = self._within_file(plan)
         delay = 0.0 if now is None else now - plan.start
         in_force = None if now is None or delay <= _AGE_TOLERANCE else self.at(now)
         self._plan = plan
@@ -70,6 +75,26 @@ class BoundsInForce:
         elif now is not None and in_force is not None:
             self._way = Way.begun(now, delay, in_force, self._planned(now), self._way)
         return tuple(UnknownName("contact", name, self._names) for name in unknown)
+
+    def _within_file(self, plan: ForceBoundsPlan) -> ForceBoundsPlan:
+        """The plan with upper bounds of at most what the robot's file allows.
+
+        Raises:
+            InvalidValue: a lower bound above that.
+        """
+        if not plan.contacts:
+            return plan
+        most = self._file[1][[self._names.index(name) for name in plan.contacts]]
+        worst = plan.lower.max(axis=1)
+        if (worst > most).any():
+            c = int(np.argmax(worst - most))
+            raise InvalidValue(
+                f"contact '{plan.contacts[c]}': lower bound {worst[c]:g} N given, at most "
+                f"force_upper = {most[c]:g} N of the robot's file expected"
+            )
+        if (plan.upper.max(axis=1) > most).any():
+            return replace(plan, upper=np.minimum(plan.upper, most[:, None]))
+        return plan
 
     def at(self, time: float) -> NormalBounds:
         """Bounds at `time` [s]."""

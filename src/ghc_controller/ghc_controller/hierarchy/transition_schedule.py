@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -119,11 +119,24 @@ class TransitionSchedule:
         return self._solvability().check(start, transition.target.alpha, self.tasks)
 
     def add(self, transition: Transition, now: float) -> list[TransitionEvent]:
-        """Accept a checked transition; one due now starts at the next `advance`."""
+        """Accept a checked transition; one due now starts at the next `advance`.
+
+        One that should have started before the time of the last `advance` starts there instead:
+        what was in force until then stays so, and alpha does not jump into the middle of a ramp.
+        """
+        if transition.start < self._now:
+            transition = replace(transition, start=self._now)
         self.sigma_min = self._sigma(transition.target.alpha)
         self._pending.append(transition)
         self._pending.sort(key=lambda t: t.start)  # stable: of equal starts the newest wins
         return [TransitionEvent(transition, TransitionPhase.ACCEPTED, now)]
+
+    def cancel(self, now: float) -> list[TransitionEvent]:
+        """Back to the initial matrix at `now` [s]; what runs or waits is pre-empted."""
+        left = [self._running] if self._running is not None else []
+        left += self._pending
+        self.reset()
+        return [TransitionEvent(entry, TransitionPhase.PREEMPTED, now) for entry in left]
 
     def advance(self, now: float) -> list[TransitionEvent]:
         """Bring `in_force` to time `now`; returns what happened on the way, in order.

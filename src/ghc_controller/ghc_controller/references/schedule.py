@@ -28,9 +28,15 @@ class ReferenceSchedule:
         self._defaults: list[TaskTarget] = []
         self._begun = False
 
-    def begin(self, model: RobotModel) -> None:
-        """Fix the targets of tasks without a reference at the state of the last update."""
-        self._defaults = [task.default_target(model) for task in self._tasks]
+    def begin(self, model: RobotModel, stay: bool = False) -> None:
+        """Fix the targets of tasks without a reference at the state of the last update.
+
+        With `stay` also those whose robot's file gives a reference stay where they are.
+        """
+        self._defaults = [
+            task.static_target(task.current(model)) if stay else task.default_target(model)
+            for task in self._tasks
+        ]
         self._begun = True
 
     @property
@@ -68,6 +74,13 @@ class ReferenceSchedule:
         """Target of the task of that name at `time` [s]; UnknownName if there is none."""
         self.task(name)
         return self.target(self._index[name], time)
+
+    def peek(self, name: str, time: float) -> TaskTarget:
+        """As `current`, and the schedule is only read: for another thread."""
+        self.task(name)
+        index = self._index[name]
+        begun = [entry for entry in tuple(self._queues[index]) if entry.start_time <= time]
+        return begun[-1].target(time) if begun else self._defaults[index]
 
     def target(self, index: int, time: float) -> TaskTarget:
         """Target of task number `index` at `time` [s]."""

@@ -41,8 +41,10 @@ class LimitFields:
         "a number, or joint: number; left out = of the URDF", None, unit="rad/s"
     )
     torque: Limit = declared("a number, or joint: number; left out = of the URDF", None, unit="Nm")
-    torque_rate: float = declared(
-        "largest change of any torque", 1000.0, unit="Nm/s", domain=_NOT_ZERO
+    torque_rate: Limit = declared(
+        "largest change of torque: a number, or joint: number (others 1000); left out = 1000",
+        None,
+        unit="Nm/s",
     )
     brake_acceleration: float = declared(
         "what braking before a position limit may use; the torque limits must allow it",

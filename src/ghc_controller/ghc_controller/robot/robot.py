@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.registry import make_contact
 from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
@@ -15,6 +17,7 @@ from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.fields import RobotFields
 from ghc_controller.robot.task_entries import TaskEntry
 from ghc_controller.robot.urdf import find_urdf
+from ghc_controller.safety.torque_gate import DEFAULT_TORQUE_RATE
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
 from ghc_controller.tasks.registry import make_task
@@ -33,7 +36,7 @@ class Robot:
     limits:                      # optional; a number, or a map joint -> number, overrides the URDF
       velocity: 1.2              # [rad/s]
       torque: {joint_1: 100.0}   # [Nm]
-      torque_rate: 1000.0        # [Nm/s], one number
+      torque_rate: 1000.0        # [Nm/s]; joints that a map leaves out have the default, 1000
       brake_acceleration: 5.0    # [rad/s^2], one number: what braking before a limit may use
     tasks:                       # names unique; fields by kind: see the files of tasks/
       - {name: hand, kind: frame_position, frame: tool, stiffness: 30.0, damping: 20.0}
@@ -60,7 +63,7 @@ class Robot:
     name: str
     urdf: Path
     floating_base: bool
-    torque_rate: float  # [Nm/s]
+    torque_rate: float | Array  # [Nm/s], one number or (a,)
     brake_acceleration: float  # [rad/s^2]
     model: RobotModel  # with the limits of the file
     tasks: tuple[Task, ...]  # k tasks, in the order of the file
@@ -140,7 +143,9 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
         given.name,
         urdf,
         given.floating_base,
-        given.limits.torque_rate,
+        _torque_rate(
+            fields.section("limits", optional=True), given.limits.torque_rate, model.joint_names
+        ),
         given.limits.brake_acceleration,
         model,
         tasks,
@@ -148,6 +153,16 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
         _build_contacts(given.contacts, model, tasks),
         given.settings,
     )
+
+
+def _torque_rate(limits: Fields, given: Limit, joint_names: tuple[str, ...]) -> float | Array:
+    """One number [Nm/s], or (a,) where the file has a map; joints that it leaves out: default."""
+    usual = np.full(len(joint_names), DEFAULT_TORQUE_RATE)
+    try:
+        rates = overridden(usual, given, joint_names, "torque_rate")
+    except GhcError as error:
+        raise limits.error("torque_rate", str(error)) from error
+    return rates if isinstance(given, Mapping) else float(rates[0])
 
 
 def _build_model(urdf: Path, given: RobotFields, fields: Fields) -> RobotModel:

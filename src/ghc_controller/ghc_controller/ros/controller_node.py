@@ -15,8 +15,10 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
+from uuid import uuid4
 
 from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry
@@ -35,13 +37,14 @@ from ghc_controller.ros.conversions.states import (
     read_joint_state,
     wrench_from_bytes,
 )
+from ghc_controller.ros.mode_desk import ModeDesk
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.previews import PLANS, PlanInbox
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS, PLAN_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.requests import RequestDesk
-from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.run import run_node, tolerant
 from ghc_controller.ros.status import Accounts
 from ghc_controller.ros.synchronizer import StateGate, Verdict
 from ghc_controller.ros.ticks import TickAnnouncer
@@ -52,13 +55,21 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateValues,
 )
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Timeline
+from ghc_controller.safety.modes import Mode
+from ghc_controller.safety.plausibility import ImplausibleStart, StatePlausibility
 from ghc_controller.schema.reader import Fields
 from ghc_controller.settings import Settings
-from ghc_controller.types import NANOSECONDS
+from ghc_controller.types import NANOSECONDS, Array, RobotState
 
 NODE_NAME = "controller"
 ODOMETRY = "odom"
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+IDLE_PERIOD = 0.05  # [s] wall; requests are looked at although no state comes
+SWITCH_INTERVAL = 1e-4  # [s] wall
+DOUBT = 0.1  # [s] wall; states that are implausible for longer are a fault
+JOINT_POSITION = "joint_states.position"
+MOST_PERIODS = 20  # [-] of control between two states that follow each other, at most
 
 
 def _of_robot(given: Fields) -> ControllerParameters | None:
@@ -72,7 +83,7 @@ def _of_robot(given: Fields) -> ControllerParameters | None:
 class ControllerNode:
     """Wires topics to the controller; no arithmetic here."""
 
-    def __init__(self, stop: Future) -> None:
+    def __init__(self, stop: Future) -> None:  # noqa: ARG002 - nothing that comes in ends it
         """Read the parameters, load the robot, compile, listen.
 
         Raises:
@@ -86,22 +97,40 @@ class ControllerNode:
         self._reader = JointStateReader(self._controller.model.joint_names)
         base = (ODOMETRY,) if self._controller.model.floating_base else ()
         self._gate: StateGate[JointStateValues] = StateGate(
-            base + p.wait_for_contacts, p.wait_for_bounds, round(p.bounds_step * NANOSECONDS)
+            base + p.wait_for_contacts,
+            p.wait_for_bounds,
+            round(p.bounds_step * NANOSECONDS),
+            Timeline(
+                max(MOST_AHEAD_NS, round(MOST_PERIODS * p.settings.control_dt * NANOSECONDS))
+            ),
         )
         self._announcer = TickAnnouncer(
             round(p.settings.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
         )
         self._rejections = Rejections()
         self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
+        self._modes = ModeDesk(self.node, self._controller, p.armed_by, self._gate.forget)
+        self._plausibility = StatePlausibility(
+            self._controller.model.joint_names, self._controller.model.limits
+        )
+        self._doubted_since: float | None = None  # [s] wall, since when no state was plausible
         self._requests = RequestDesk(
-            self.node, stop, self._controller, p.lockstep, self._gate.forget, self._reject
+            self.node,
+            self._controller,
+            self._modes.logic,
+            p.lockstep,
+            self._gate.forget,
+            self._reject,
         )
         self._accounts = Accounts(self.node, self._controller, self._rejections, p.state_rate)
         self._now: float | None = None  # [s] of the last state
+        self._answered_at = 0.0  # [s] wall
         self._decoder = JointStateDecoder(read_joint_state)
+        self._sender = f"{self.node.get_name()}.{uuid4().hex[:8]}"  # tells commanders apart
+        self._epoch = ""  # as the states have it
         self._encoder = self._make_encoder("")
         self._command = b""  # serialized, of the last answered state
-        self._publish_and_listen(stop)
+        self._publish_and_listen()
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
             f"{self._controller.formulation.name}, solver {p.settings.qp_solver}: ready"
@@ -113,7 +142,7 @@ class ControllerNode:
                 "name it in the parameter wait_for_contacts"
             )
 
-    def _publish_and_listen(self, stop: Future) -> None:
+    def _publish_and_listen(self) -> None:
         node, p = self.node, self._parameters
         self._commands = node.create_publisher(JointState, "joint_commands", CONTROL_PUBLISHER_QOS)
         self._ticks = node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
@@ -125,7 +154,7 @@ class ControllerNode:
         node.create_subscription(
             JointState,
             "joint_states",
-            guarded(stop, self._on_state),
+            self._tolerant("joint_states", self._on_state),
             CONTROL_SUBSCRIBER_QOS,
             raw=True,
         )
@@ -133,7 +162,7 @@ class ControllerNode:
             node.create_subscription(
                 WrenchStamped,
                 f"contacts/{name}",
-                guarded(stop, partial(self._on_wrench, name)),
+                self._tolerant(f"contacts/{name}", partial(self._on_wrench, name)),
                 CONTROL_SUBSCRIBER_QOS,
                 raw=True,
             )
@@ -141,18 +170,26 @@ class ControllerNode:
             node.create_subscription(
                 Odometry,
                 ODOMETRY,
-                guarded(stop, self._on_odometry),
+                self._tolerant(ODOMETRY, self._on_odometry),
                 CONTROL_SUBSCRIBER_QOS,
                 raw=True,
             )
         for name, kind in PLANS.items():
-            take = guarded(stop, partial(self._plans.take, name))
+            take = self._tolerant(f"constraints/{name}", partial(self._plans.take, name))
             node.create_subscription(kind, f"constraints/{name}", take, PLAN_QOS)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+        if not p.lockstep:
+            node.create_timer(IDLE_PERIOD, self._on_idle, clock=wall)
+            # The thread of the requests gives way to a state within this time.
+            sys.setswitchinterval(SWITCH_INTERVAL)
 
-    def _make_encoder(self, frame_id: str) -> JointStateEncoder:
-        return JointStateEncoder(self._controller.model.joint_names, frame_id, motion=False)
+    def _tolerant(self, topic: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        return tolerant(callback, topic, self._reject)
+
+    def _make_encoder(self, epoch: str) -> JointStateEncoder:
+        names = self._controller.model.joint_names
+        return JointStateEncoder(names, f"{epoch}@{self._sender}", motion=False)
 
     def _on_state(self, data: bytes) -> None:
         try:
@@ -168,7 +205,9 @@ class ControllerNode:
                     f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as joint_states has it",
                 )
         verdict = self._gate.state(state, state.stamp_ns, state.frame_id)
-        if verdict not in (Verdict.STALE, Verdict.MALFORMED):
+        if self._gate.timeline.resumed:
+            self._plausibility.resume()
+        if verdict not in (Verdict.STALE, Verdict.MALFORMED, Verdict.IMPLAUSIBLE):
             self._announce(self._announcer.on_state(state.stamp_ns, self._gate.epoch))
         self._handle(state, verdict)
 
@@ -203,7 +242,17 @@ class ControllerNode:
         if verdict is Verdict.REPEATED:
             self._commands.publish(self._command)
         elif verdict is Verdict.STALE:
-            self._reject("joint_states.stamp", "older than the last one, in the same epoch")
+            self._reject(
+                "joint_states.stamp",
+                f"{values.stamp_ns / NANOSECONDS:.6f} s of epoch {values.frame_id or '0'} given, "
+                f"older than the last one; {self._gate.timeline.expected()}",
+            )
+        elif verdict is Verdict.IMPLAUSIBLE:
+            self._reject(
+                "joint_states.stamp",
+                f"{values.stamp_ns / NANOSECONDS:.6f} s of epoch {values.frame_id or '0'} given, "
+                f"{self._gate.timeline.expected()}",
+            )
         elif verdict is Verdict.MALFORMED:
             self._reject(
                 "joint_states.frame_id",
@@ -223,32 +272,87 @@ class ControllerNode:
             self._reject(str(error).split(":")[0], str(error))
             return
         if new_epoch:
+            self._plausibility.reset()
+        if not self._is_plausible(state):
+            return
+        begins = new_epoch or not self._requests.is_open
+        if new_epoch:
             controller.reset()
             self._plans.forget()
             self._accounts.reset()
+        if begins:
+            self._modes.begin(state.time)
         self._plans.hand_over(self._gate.epoch, stamp_ns)
-        if not self._requests.is_open:
+        if begins:
             controller.observe(state)
         self._now = state.time
+        self._answered_at = time.monotonic()
         self._requests.at(state.time)
-        result = controller.step(state)
-        if values.frame_id != self._encoder.frame_id:
-            self._encoder = self._make_encoder(values.frame_id)
-        self._command = self._encoder.encode(stamp_ns, result.torque)
+        if self._modes.mode is Mode.LATCHED:
+            self._send(values, controller.brake(state))
+            return
+        try:
+            result = controller.step(state)
+        except Exception as error:
+            if not self._modes.logic.latches:
+                raise
+            self._modes.logic.fault(f"a step raised {type(error).__name__}: {error}")
+            return
+        self._send(values, result.torque)
+        self._requests.tell(result.events)
+        self._accounts.publish(stamp_ns, self._gate.epoch, result.status)
+        self._modes.stepped(state.time, result.status)
+
+    def _send(self, values: JointStateValues, torque: Array) -> None:
+        """Answer a state with a torque (a,) [Nm]."""
+        stamp_ns = values.stamp_ns
+        if values.frame_id != self._epoch:
+            self._epoch = values.frame_id
+            self._encoder = self._make_encoder(self._epoch)
+        self._command = self._encoder.encode(stamp_ns, torque)
         self._commands.publish(self._command)
         self._gate.answered(stamp_ns)
         self._announce(self._announcer.on_answer(stamp_ns, self._gate.epoch))
         if self._mirror is not None:
-            self._mirror.publish(Float64MultiArray(data=result.torque))
-        self._requests.tell(result.events)
-        self._accounts.publish(stamp_ns, self._gate.epoch, result.status)
+            self._mirror.publish(Float64MultiArray(data=torque))
+
+    def _is_plausible(self, state: RobotState) -> bool:
+        """Whether a state can be true; if it cannot for long, that is a fault.
+
+        In lockstep states are the simulator's own and only have to be numbers.
+        """
+        if self._parameters.lockstep:
+            return True
+        now = time.monotonic()
+        try:
+            self._plausibility.check(state)
+        except InvalidValue as error:
+            self._gate.forget()
+            self._reject(str(error).split(":")[0], str(error))
+            if isinstance(error, ImplausibleStart):
+                self._modes.logic.waits(f"cannot start: {error}")
+            elif self._doubted_since is None:
+                self._doubted_since = now
+            elif now - self._doubted_since > DOUBT and self._requests.is_open:
+                self._modes.logic.fault(f"no plausible state for {DOUBT:g} s: {error}")
+            return False
+        self._doubted_since = None
+        if self._plausibility.jumped:
+            self._reject(f"{JOINT_POSITION}.jump", self._plausibility.jumped)
+            self._modes.logic.fault(self._plausibility.jumped)
+        return True
 
     def _reject(self, field: str, reason: str) -> None:
         if self._rejections.count(field, time.monotonic()):
             self.node.get_logger().warning(f"{field}: {reason}")
 
+    def _on_idle(self) -> None:
+        if time.monotonic() - self._answered_at > IDLE_PERIOD:
+            self._requests.between_states()
+
     def _publish_diagnostics(self) -> None:
-        self._accounts.publish_diagnostics(self._now, self._plans.silent(self._now or 0.0))
+        silence = self._plans.silent(self._now or 0.0)
+        self._accounts.publish_diagnostics(self._now, silence, self._modes.text)
 
     def close(self) -> None:
         """No resources to release."""

@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ghc_controller.safety.modes import Arming
 from ghc_controller.schema.declared import inline
-from ghc_controller.schema.parameters import EXECUTOR, given, parameter, positive, several_of
+from ghc_controller.schema.parameters import (
+    EXECUTOR,
+    given,
+    one_of,
+    parameter,
+    positive,
+    several_of,
+)
 from ghc_controller.settings import Settings
 from ghc_controller.types import PREVIEW_STEP
 
@@ -18,6 +26,13 @@ class ControllerParameters:
     settings: Settings = inline(Settings)
     lockstep: bool = parameter(
         False, "refuse references and transitions whose start has passed, for repeatable runs"
+    )
+    arming: str = parameter(
+        "",
+        "what makes the controller move the robot: request (the first one accepted), explicit "
+        "(the service controller/arm alone) or automatic (the first state; faults are not "
+        "latched); empty = automatic in lockstep, else request",
+        one_of("", *(kind.value for kind in Arming)),
     )
     state_rate: float = parameter(
         100.0,
@@ -37,3 +52,9 @@ class ControllerParameters:
         False, "publish /effort_controller/commands as well, order of the robot model"
     )
     executor: str = EXECUTOR
+
+    @property
+    def armed_by(self) -> Arming:
+        """What makes the controller active."""
+        default = Arming.AUTOMATIC if self.lockstep else Arming.REQUEST
+        return Arming(self.arming) if self.arming else default

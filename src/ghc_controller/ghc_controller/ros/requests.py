@@ -2,20 +2,30 @@
 
 Publishes  ghc/transition_status.
 Subscribes ghc/priority_transition, ghc/task_reference.
+
+In real time a request is deserialized, parsed and checked by a thread of its own; the control
+thread only takes over what is ready, a few at a state. In lockstep, where time stands still
+meanwhile, all happens at once, so that a run does not depend on when a thread was scheduled.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
+from queue import Empty, Full, Queue
+from threading import Thread
+from typing import Any
 
 from ghc_msgs.msg import PriorityTransition, TaskReference, TransitionStatus
 from rclpy.node import Node
-from rclpy.task import Future
+from rclpy.serialization import deserialize_message
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue
-from ghc_controller.hierarchy import TransitionEvent
+from ghc_controller.hierarchy import Transition, TransitionEvent
+from ghc_controller.references.plausibility import check_plausible
+from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.ros.conversions.requests import (
     event_message,
     reference_from_message,
@@ -23,7 +33,17 @@ from ghc_controller.ros.conversions.requests import (
     transition_from_message,
 )
 from ghc_controller.ros.qos import RELIABLE_QOS
-from ghc_controller.ros.run import guarded
+from ghc_controller.ros.run import tolerant
+from ghc_controller.safety.modes import ModeLogic
+
+TRANSITION, REFERENCE = "ghc/priority_transition", "ghc/task_reference"
+# [bytes] of a serialized request: a reference of over a thousand points, a hierarchy of any robot.
+MOST_BYTES = {TRANSITION: 1 << 16, REFERENCE: 1 << 18}
+MOST_BYTES_LOCKSTEP = 1 << 26  # [bytes] time stands still meanwhile
+MOST_WAITING = 4096  # [-] requests that wait for a state, or for the thread
+MOST_PER_STATE = 4  # [-] requests that are taken over at one state in real time
+
+Ready = Callable[[float], None]  # takes a request over at a time [s]
 
 
 class RequestDesk:
@@ -32,8 +52,8 @@ class RequestDesk:
     def __init__(
         self,
         node: Node,
-        stop: Future,
         controller: Controller,
+        modes: ModeLogic,
         lockstep: bool,
         changed: Callable[[], None],
         reject: Callable[[str, str], None],
@@ -41,25 +61,29 @@ class RequestDesk:
         """Hand requests to `controller`.
 
         Args:
+            modes: says whether requests are taken now; told of every accepted one.
             lockstep: refuse what should have started before now.
             changed: told that the state in force has to be worked out again.
             reject: told the field and the reason of a refusal.
         """
         self._controller = controller
+        self._modes = modes
         self._lockstep = lockstep
         self._changed = changed
         self._reject = reject
-        self._early: list[Callable[[], None]] = []  # what came before the first state
+        self._ready: deque[Ready] = deque()  # parsed, for the next state
         self._now: float | None = None  # [s] of the last state
         self._status = node.create_publisher(
             TransitionStatus, "ghc/transition_status", RELIABLE_QOS
         )
-        for message, topic, handle in (
-            (PriorityTransition, "ghc/priority_transition", self._on_transition),
-            (TaskReference, "ghc/task_reference", self._on_reference),
-        ):
-            take = guarded(stop, partial(self._after_first_state, handle))
-            node.create_subscription(message, topic, take, RELIABLE_QOS)
+        kinds = {TRANSITION: PriorityTransition, REFERENCE: TaskReference}
+        self._kinds: dict[str, type] = kinds
+        self._incoming: Queue[tuple[str, bytes]] = Queue(MOST_WAITING)
+        if not lockstep:
+            Thread(target=self._work, name="requests", daemon=True).start()
+        for topic, kind in kinds.items():
+            take = tolerant(partial(self._take, topic), topic, reject)
+            node.create_subscription(kind, topic, take, RELIABLE_QOS, raw=True)
 
     @property
     def is_open(self) -> bool:
@@ -67,39 +91,101 @@ class RequestDesk:
         return self._now is not None
 
     def at(self, now: float) -> None:
-        """Process queued requests at the state of time `now` [s]."""
+        """Take over what is ready at the state of time `now` [s]."""
         self._now = now
-        for request in self._early:
-            request()
-        self._early.clear()
+        left = MOST_WAITING if self._lockstep else MOST_PER_STATE
+        while self._ready and left:
+            self._ready.popleft()(now)
+            left -= 1
+
+    def between_states(self) -> None:
+        """Take over what is ready although no state comes, as while time is paused."""
+        if self._now is not None:
+            self.at(self._now)
 
     def tell(self, events: Iterable[TransitionEvent]) -> None:
         """Publish what became of transitions."""
         for event in events:
             self._status.publish(event_message(event))
 
-    def _after_first_state(
-        self,
-        handle: Callable[[PriorityTransition | TaskReference, float], None],
-        message: PriorityTransition | TaskReference,
-    ) -> None:
-        if self._now is None:
-            self._early.append(lambda: handle(message, self._now or 0.0))
+    def _take(self, topic: str, data: bytes) -> None:
+        """A serialized request has come."""
+        most = MOST_BYTES_LOCKSTEP if self._lockstep else MOST_BYTES[topic]
+        if len(data) > most:
+            self._refuse(topic, "", f"{len(data)} bytes given, at most {most} expected")
+        elif self._lockstep:
+            self._put(self._prepared(topic, data))
         else:
-            handle(message, self._now)
+            try:
+                self._incoming.put_nowait((topic, data))
+            except Full:
+                self._refuse(topic, "", f"more than {MOST_WAITING} requests wait")
 
-    def _on_transition(self, message: PriorityTransition, now: float) -> None:
+    def _put(self, ready: Ready) -> None:
+        if self._lockstep and self._now is not None:
+            ready(self._now)
+        elif len(self._ready) >= MOST_WAITING:
+            self._ready.popleft()
+            self._reject("requests", f"more than {MOST_WAITING} wait: the oldest one is dropped")
+            self._ready.append(ready)
+        else:
+            self._ready.append(ready)
+
+    def _work(self) -> None:
+        while True:
+            topic, data = self._incoming.get()
+            while len(self._ready) >= MOST_WAITING:
+                try:
+                    dropped, _ = self._incoming.get(timeout=0.01)  # no state comes
+                    self._reject(dropped, f"more than {MOST_WAITING} requests wait: dropped")
+                except Empty:
+                    continue
+            self._ready.append(self._prepared(topic, data))
+
+    def _prepared(self, topic: str, data: bytes) -> Ready:
+        """What is to be done with a request at a state; in real time in the thread."""
+        request_id = ""
+        try:
+            message = deserialize_message(data, self._kinds[topic])
+            request_id = getattr(message, "id", "")
+            if self._now is None or self._lockstep:
+                # Checked where it is taken over: it depends on the state there.
+                return partial(self._convert_and_take, topic, message)
+            return self._converted(message, self._now)
+        except Exception as error:  # a message may be anything
+            return partial(self._refuse_at, topic, request_id, str(error))
+
+    def _convert_and_take(self, topic: str, message: Any, now: float) -> None:
+        try:
+            ready = self._converted(message, now)
+        except GhcError as error:
+            self._refuse(topic, getattr(message, "id", ""), str(error))
+            return
+        ready(now)
+
+    def _converted(self, message: Any, now: float) -> Ready:
+        """The request as a value; GhcError where it cannot be one."""
+        controller = self._controller
+        if isinstance(message, PriorityTransition):
+            tasks = controller.robot.task_names
+            transition = transition_from_message(message, tasks, now)
+            return partial(self._take_transition, transition)
+        schedule = controller.schedule_of(message.task)
+        task = schedule.task(message.task)
+        current = schedule.peek(message.task, now).position
+        reference = reference_from_message(message, task, current, now)
+        check_plausible(task, reference, controller.model.limits, controller.model.joint_names)
+        return partial(self._take_reference, reference)
+
+    def _take_transition(self, transition: Transition, now: float) -> None:
         controller = self._controller
         try:
-            transition = transition_from_message(message, controller.robot.task_names, now)
-            self._check_start(transition.start, now)
+            self._check(transition.start, now)
             is_new = controller.add_transition(transition, now)
         except GhcError as error:
-            self._status.publish(
-                status_message(TransitionStatus.REJECTED, now, None, message.id, str(error))
-            )
-            self._reject("ghc/priority_transition", str(error))
+            self._refuse(TRANSITION, transition.id, str(error))
             return
+        self._modes.requested()
         if is_new:
             self._changed()
             self.tell(controller.take_events())
@@ -109,21 +195,31 @@ class RequestDesk:
         if controller.priorities.is_settled:
             self._status.publish(status_message(TransitionStatus.DONE, now, transition))
 
-    def _on_reference(self, message: TaskReference, now: float) -> None:
-        controller = self._controller
+    def _take_reference(self, reference: ReferenceTrajectory, now: float) -> None:
         try:
-            schedule = controller.schedule_of(message.task)
-            task = schedule.task(message.task)
-            current = schedule.current(message.task, now).position
-            reference = reference_from_message(message, task, current, now)
-            self._check_start(reference.start_time, now)
-            controller.add_reference(reference)
+            self._check(reference.start_time, now)
+            self._controller.add_reference(reference)
         except GhcError as error:
-            self._reject("ghc/task_reference", str(error))
+            self._refuse(REFERENCE, "", str(error))
             return
+        self._modes.requested()
         self._changed()
 
-    def _check_start(self, start: float, now: float) -> None:
+    def _refuse_at(self, topic: str, request_id: str, reason: str, _: float) -> None:
+        self._refuse(topic, request_id, reason)
+
+    def _refuse(self, topic: str, request_id: str, reason: str) -> None:
+        if topic == TRANSITION:
+            status = TransitionStatus.REJECTED
+            self._status.publish(
+                status_message(status, self._now or 0.0, None, request_id[:200], reason[:1000])
+            )
+        self._reject(topic, reason[:1000])
+
+    def _check(self, start: float, now: float) -> None:
+        refusal = self._modes.refusal()
+        if refusal:
+            raise InvalidValue(refusal)
         if self._lockstep and start < now:
             raise InvalidValue(
                 f"start {start:g} s given, {now:g} s (now) or later expected: in lockstep a late "

@@ -55,6 +55,32 @@ def guarded(stop: Future, callback: Callable[P, R]) -> Callable[P, R | None]:
     return call
 
 
+def tolerant(
+    callback: Callable[P, R],
+    topic: str,
+    reject: Callable[[str, str], None],
+    fatal: tuple[type[Exception], ...] = (),
+) -> Callable[P, R | None]:
+    """Callback of `topic` that rejects a message instead of raising: the node lives.
+
+    Args:
+        reject: told the topic, and what was raised.
+        fatal: errors that are no fault of the message, and go on to the caller.
+    """
+
+    @wraps(callback)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R | None:
+        try:
+            return callback(*args, **kwargs)
+        except fatal:
+            raise
+        except Exception as error:  # a message may be anything
+            reject(topic, f"message rejected, {type(error).__name__}: {error}")
+            return None
+
+    return call
+
+
 def make_executor(kind: str) -> Executor:
     """Executor by the name that the parameter `executor` uses."""
     return EventsExecutor() if kind == "events" else SingleThreadedExecutor()

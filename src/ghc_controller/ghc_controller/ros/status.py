@@ -67,8 +67,14 @@ class Accounts:
         message.obstacles = [obstacle_message(entry) for entry in report.obstacles]
         self._state.publish(message)
 
-    def publish_diagnostics(self, now: float | None, silence: str) -> None:
-        """Publish counters at `now` [s], None before the first state; `silence`: who is missed."""
+    def publish_diagnostics(self, now: float | None, silence: str, mode: str) -> None:
+        """Publish counters.
+
+        Args:
+            now: [s] of the last state, None before the first.
+            silence: who is missed.
+            mode: the mode in force, and why.
+        """
         controller = self._controller
         counts = controller.counts | controller.gate.counts
         refused = sum(self._rejections.counts.values())
@@ -79,7 +85,7 @@ class Accounts:
             summary = f"{counts['fallback_ticks']} ticks without a solution, "
             summary += f"{refused} inputs refused"
         summary = "; ".join(part for part in (silence, summary) if part)
-        values: dict[str, object] = {"formulation": controller.formulation.name}
+        values: dict[str, object] = {"formulation": controller.formulation.name, "mode": mode}
         self._diagnostics.publish(
             diagnostics_message(
                 round((now or 0.0) * NANOSECONDS),

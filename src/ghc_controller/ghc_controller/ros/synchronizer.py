@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Generic, TypeVar
 
 from ghc_controller.ros.wire.epoch import epoch_number
+from ghc_controller.ros.wire.timeline import Place, Timeline
 from ghc_controller.types import Array
 
 M = TypeVar("M")
@@ -21,20 +22,26 @@ class Verdict(Enum):
     STALE = "stale"  # older than the last answered one
     WAITING = "waiting"  # something that belongs to it is still to come
     MALFORMED = "malformed"  # the epoch is no number
+    IMPLAUSIBLE = "implausible"  # far from the run under way, see Timeline
 
 
 class StateGate(Generic[M]):
     """Pairs states with what belongs to them and tells repeats from news.
 
-    The stamp is the sequence number of a state; time runs backwards only with a new epoch. To a
+    The stamp is the sequence number of a state; a `Timeline` says which stamps are believed. To a
     state belong its companions (wrenches, odometry), which carry the same stamp, and plans that a
     generator makes for the latest of its ticks at or before it.
     """
 
     def __init__(
-        self, companions: Sequence[str], plans: Sequence[str] = (), tick_ns: int = 1
+        self,
+        companions: Sequence[str],
+        plans: Sequence[str] = (),
+        tick_ns: int = 1,
+        timeline: Timeline | None = None,
     ) -> None:
         """Wait for these, by name; `tick_ns` [ns] between two plans."""
+        self.timeline = timeline or Timeline()
         self._stamps = dict.fromkeys(companions, -1)
         self._values: dict[str, Array] = {}
         self._plans = dict.fromkeys(plans, (-1, -1))  # epoch, stamp [ns]
@@ -65,15 +72,15 @@ class StateGate(Generic[M]):
         number = epoch_number(epoch)
         if number is None:
             return Verdict.MALFORMED
-        if number < self.epoch:
+        place = self.timeline.judge(stamp_ns, number)
+        if place is Place.OLDER:
             return Verdict.STALE
-        if number > self.epoch:
+        if place is Place.ELSEWHERE:
+            return Verdict.IMPLAUSIBLE
+        if place is Place.RESTARTED:
             self.epoch = number
-            self._answered_ns = -1
             self._repeatable = False
             return self._complete(message, stamp_ns, Verdict.NEW_EPOCH)
-        if stamp_ns < self._answered_ns:
-            return Verdict.STALE
         if stamp_ns == self._answered_ns and self._repeatable:
             return Verdict.REPEATED
         return self._complete(message, stamp_ns, Verdict.NEW)

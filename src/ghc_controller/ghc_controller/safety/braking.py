@@ -23,7 +23,7 @@ def braking_torque(
     torque_limit: Array,
     contact_rows: ContactRows | None = None,
     previous: Array | None = None,
-    torque_step: float = np.inf,
+    torque_step: Array | float = np.inf,
     max_acceleration: float = MAX_ACCELERATION,
 ) -> Array:
     """Torque (a,) [Nm] that brings a robot to rest where it is, and keeps it there.
@@ -39,7 +39,8 @@ def braking_torque(
         torque_limit: (a,) [Nm], inf where there is none.
         contact_rows: contacts that are on; their forces are the smallest that fit, friction aside.
         previous: (a,) [Nm] torque applied over the last control period.
-        torque_step: largest change from `previous` per control period [Nm]; inf = no limit.
+        torque_step: largest change from `previous` per control period [Nm], a number or (a,); inf
+            = no limit.
         max_acceleration: [rad/s^2] of a joint; inf where the bounds alone are to say.
     """
     base = velocity.shape[0] - torque_limit.shape[0]
@@ -48,7 +49,7 @@ def braking_torque(
     braking = _of_motors(dynamics.mass_matrix @ acceleration, base, contact_rows)
     bias = _of_motors(dynamics.bias, base, contact_rows)
     lower, upper = -torque_limit, torque_limit
-    if previous is not None and np.isfinite(torque_step):
+    if previous is not None:
         # Where the last torque is itself outside the limits, the limits win.
         lower = np.minimum(np.maximum(lower, previous - torque_step), upper)
         upper = np.maximum(np.minimum(upper, previous + torque_step), -torque_limit)

@@ -35,12 +35,12 @@ class OutputGate:
     limits win. `counts` adds up the ticks of each kind of hit.
     """
 
-    def __init__(self, torque_limit: Array, rate_limit: float, control_dt: float) -> None:
+    def __init__(self, torque_limit: Array, rate_limit: Array | float, control_dt: float) -> None:
         """Set up the gate.
 
         Args:
             torque_limit: (a,) [Nm] > 0, inf where there is none.
-            rate_limit: [Nm/s]; 0 switches the rate check off.
+            rate_limit: [Nm/s], one number or (a,); 0 switches the rate check off.
             control_dt: [s] control period.
 
         Raises:
@@ -48,6 +48,8 @@ class OutputGate:
         """
         self._gate = TorqueGate(torque_limit, rate_limit, control_dt)
         self.torque_limit = self._gate.torque_limit
+        self.torque_step_limit = self._gate.torque_step_limit  # (a,) [Nm] per control period
+        self._no_step_limit = np.full(self.torque_limit.shape, np.inf)
         names = (NOT_FINITE, TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN, APPLIED_UNKNOWN)
         self.counts = dict.fromkeys(names, 0)
 
@@ -70,7 +72,7 @@ class OutputGate:
             hits.append(APPLIED_UNKNOWN)
             previous = None
         if previous is None:
-            previous, step = torque, np.inf  # nothing to measure the rate from
+            previous, step = torque, self._no_step_limit  # nothing to measure the rate from
         gated = np.empty(torque.shape)
         excess = clip_torque(torque, previous, self.torque_limit, step, gated)
         if max(excess) > COUNTED_EXCESS:

@@ -10,6 +10,7 @@ import numpy as np
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 
+DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s] where a robot's file gives none
 COUNTED_EXCESS = 1e-6  # [Nm] a smaller excess is rounding of the QP: clipped, but not counted
 
 
@@ -27,12 +28,14 @@ class TorqueGate:
     The rate is clipped first: where both cannot hold, the torque limit wins.
     """
 
-    def __init__(self, torque_limit: Array, torque_rate_limit: float, control_dt: float) -> None:
+    def __init__(
+        self, torque_limit: Array, torque_rate_limit: Array | float, control_dt: float
+    ) -> None:
         """Set up the gate.
 
         Args:
             torque_limit: (n,) [Nm] > 0, inf where there is none.
-            torque_rate_limit: [Nm/s]; 0 switches the rate check off.
+            torque_rate_limit: [Nm/s], one number or (n,); 0 switches the rate check off.
             control_dt: [s] control period.
 
         Raises:
@@ -40,14 +43,14 @@ class TorqueGate:
         """
         if not (torque_limit > 0.0).all():
             raise InvalidValue(f"torque limit {torque_limit} given, positive numbers expected")
-        if not (np.isfinite(torque_rate_limit) and torque_rate_limit >= 0.0):
+        rate = np.broadcast_to(np.asarray(torque_rate_limit, dtype=np.float64), torque_limit.shape)
+        if not (np.isfinite(rate).all() and (rate >= 0.0).all()):
             raise InvalidValue(
-                f"torque rate limit {torque_rate_limit} given, a number >= 0 expected"
+                f"torque rate limit {torque_rate_limit} given, numbers >= 0 expected"
             )
         self.torque_limit = torque_limit.copy()
-        self.torque_step_limit = (
-            torque_rate_limit * control_dt if torque_rate_limit > 0.0 else np.inf
-        )  # [Nm] per control period
+        # (n,) [Nm] per control period
+        self.torque_step_limit: Array = np.where(rate > 0.0, rate * control_dt, np.inf)
         # The kernel is compiled for arrays like these; others, read-only ones too, are copied.
         self._wanted, self._previous = np.zeros(torque_limit.shape), np.zeros(torque_limit.shape)
         self(self._wanted, self._previous)  # loads the kernel before time runs
@@ -65,16 +68,16 @@ class TorqueGate:
 
 @numba.njit(cache=True)
 def clip_torque(
-    torque: Array, previous: Array, limit: Array, step: float, out: Array
+    torque: Array, previous: Array, limit: Array, step: Array, out: Array
 ) -> tuple[float, float, float]:
     """Clip to the rate, then to the limits; largest excess over limit, over rate, rate broken."""
     over_limit, over_rate, broken = 0.0, 0.0, 0.0
     for i in range(torque.shape[0]):
         value = torque[i]
         over_limit = max(over_limit, abs(value) - limit[i])
-        over_rate = max(over_rate, abs(value - previous[i]) - step)
-        value = min(max(value, previous[i] - step), previous[i] + step)
+        over_rate = max(over_rate, abs(value - previous[i]) - step[i])
+        value = min(max(value, previous[i] - step[i]), previous[i] + step[i])
         value = min(max(value, -limit[i]), limit[i])
-        broken = max(broken, abs(value - previous[i]) - step)
+        broken = max(broken, abs(value - previous[i]) - step[i])
         out[i] = value
     return over_limit, over_rate, broken

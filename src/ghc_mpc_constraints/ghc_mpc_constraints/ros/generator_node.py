@@ -22,7 +22,7 @@ from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, STREAM_QOS
 from ghc_controller.ros.rejections import Rejections
-from ghc_controller.ros.run import guarded
+from ghc_controller.ros.run import tolerant
 from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.ros.conversions import header_of
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
@@ -42,7 +42,12 @@ class GeneratorNode(ABC, Generic[P]):
     which the controller's state carries; it waits for that message, but not for long.
     """
 
-    def __init__(self, name: str, parameters: type[P], stop: Future) -> None:
+    def __init__(
+        self,
+        name: str,
+        parameters: type[P],
+        stop: Future,  # noqa: ARG002 - no message ends it
+    ) -> None:
         """Read the parameters; `start` begins to listen.
 
         Raises:
@@ -54,7 +59,6 @@ class GeneratorNode(ABC, Generic[P]):
         self.clock = TickClock(round(self.parameters.settings.step * NANOSECONDS))
         self.rejections = Rejections()
         self._name = name
-        self._stop = stop
         self._early: list[Callable[[], None]] = []  # what came before the first tick
         self._in_force: list[bytes] = []  # the last two controller_states, until the first plan
         self._waiting_since: float | None = None  # [s] wall
@@ -108,9 +112,9 @@ class GeneratorNode(ABC, Generic[P]):
         qos: QoSProfile,
         raw: bool = False,
     ) -> Subscription:
-        """Subscribe; errors of the stack end the node in order."""
+        """Subscribe; a message whose handling raises is rejected and counted."""
         return self.node.create_subscription(
-            kind, topic, guarded(self._stop, handle), qos, raw=raw
+            kind, topic, tolerant(handle, topic, self.reject), qos, raw=raw
         )
 
     def after_first_tick(self, handle: Callable[[], None], newest_only: bool = False) -> None:
@@ -149,7 +153,7 @@ class GeneratorNode(ABC, Generic[P]):
         due = self.clock.judge(stamp_ns, epoch)
         if self.clock.new_epoch:
             self.reset()
-        if self._early and due not in (Due.STALE, Due.MALFORMED):
+        if self._early and due not in (Due.STALE, Due.MALFORMED, Due.IMPLAUSIBLE):
             for handle in self._early:
                 handle()
             self._early.clear()
@@ -157,8 +161,12 @@ class GeneratorNode(ABC, Generic[P]):
             self.publish_again()
         elif due is Due.PLAN:
             self._try_tick(stamp_ns)
-        elif due is Due.STALE:
-            self.reject("ghc/tick.stamp", "older than the last tick, in the same epoch")
+        elif due in (Due.STALE, Due.IMPLAUSIBLE):
+            self.reject(
+                "ghc/tick.stamp",
+                f"{stamp_ns / NANOSECONDS:.6f} s of epoch {epoch or '0'} given, "
+                f"{self.clock.timeline.expected()}",
+            )
         elif due is Due.MALFORMED:
             self.reject("ghc/tick.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
 

@@ -20,6 +20,7 @@ from ghc_controller.errors import GhcError
 from ghc_controller.ros.qos import PLAN_QOS, SENSOR_SUBSCRIBER_QOS
 from ghc_controller.ros.run import run_node
 from ghc_controller.ros.time import nanoseconds_from_time
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS
 from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds
@@ -48,6 +49,8 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
         self._message = ObstacleStateArray()
         self._sensor_period_ns = round(self.parameters.sensor_period * NANOSECONDS)
         self._sensed_ns = -1  # stamp of the newest array
+        # A measurement cannot be of the future; ticks are announced by whoever hears them last.
+        self._ahead_ns = MOST_AHEAD_NS + self._sensor_period_ns
         self._plans = self.node.create_publisher(
             ObstacleStateArray, "constraints/obstacle_motion", PLAN_QOS
         )
@@ -99,6 +102,13 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
     def _take_obstacles(self, message: ObstacleStateArray) -> None:
         """A bad entry is left out with a warning; if it was known, it stays where it was."""
         stamp_ns = nanoseconds_from_time(message.header.stamp)
+        if stamp_ns > self.clock.now_ns + self._ahead_ns:
+            self.reject(
+                "constraints/obstacles.stamp",
+                f"{stamp_ns / NANOSECONDS:.6f} s given, at most {self._ahead_ns / NANOSECONDS:g} s"
+                f" after the last tick ({self.clock.now_ns / NANOSECONDS:.6f} s) expected",
+            )
+            return
         if stamp_ns <= self._sensed_ns and stamp_ns > 0:
             if stamp_ns < self._sensed_ns:
                 self.reject("constraints/obstacles.stamp", "older than the last one")

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from enum import Enum
 
 from ghc_controller.ros.wire.epoch import epoch_number
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Place, Timeline
+
+_MOST_TICKS = 20  # [-] between two announcements that follow each other, at most
 
 
 class Due(Enum):
@@ -15,17 +20,19 @@ class Due(Enum):
     NOTHING = "nothing"  # between two ticks
     STALE = "stale"  # older than the last tick, in the same epoch
     MALFORMED = "malformed"  # the epoch is no number
+    IMPLAUSIBLE = "implausible"  # far from the run under way, see Timeline
 
 
 class TickClock:
-    """Tells ticks from other stamps; time runs backwards only with a new epoch.
+    """Tells ticks from other stamps; a `Timeline` says which stamps are believed.
 
     A tick that was missed is made up for at the next stamp: its plan starts at the multiple of
     the step at or before it, so that plans do not depend on which stamp was seen.
     """
 
-    def __init__(self, step_ns: int) -> None:
-        """`step_ns` [ns] between ticks."""
+    def __init__(self, step_ns: int, clock: Callable[[], float] = time.monotonic) -> None:
+        """`step_ns` [ns] between ticks; `clock` gives wall time [s]."""
+        self.timeline = Timeline(max(MOST_AHEAD_NS, _MOST_TICKS * step_ns), clock)
         self._step_ns = step_ns
         self._last_ns = -1
         self._repeatable = False
@@ -49,19 +56,21 @@ class TickClock:
         number = epoch_number(epoch)
         if number is None:
             return Due.MALFORMED
-        if number < self.epoch:
+        tick_ns = stamp_ns - stamp_ns % self._step_ns
+        place = self.timeline.judge(tick_ns, number)
+        if place is Place.OLDER:
             return Due.STALE
-        if number > self.epoch:
+        if place is Place.ELSEWHERE:
+            return Due.IMPLAUSIBLE
+        if place is Place.RESTARTED:
             self.epoch = number
             self.new_epoch = True
+        if place in (Place.RESTARTED, Place.RESUMED):
             self._last_ns = self._seen_ns = -1
             self._repeatable = False
-        tick_ns = stamp_ns - stamp_ns % self._step_ns
         self._seen_ns = max(self._seen_ns, stamp_ns)
         if tick_ns > self._last_ns:
             return Due.PLAN
-        if tick_ns < self._last_ns:
-            return Due.STALE
         if stamp_ns != tick_ns:
             return Due.NOTHING
         return Due.REPEAT if self._repeatable else Due.PLAN

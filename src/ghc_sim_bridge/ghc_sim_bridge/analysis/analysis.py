@@ -138,7 +138,7 @@ def _torque_rate_limit(plan: RunPlan, robot: Robot) -> float:
         float(plan.parameters[node]["torque_rate_limit"]) for node in ("controller", "sim_bridge")
     ]
     if limits[0] < 0.0:
-        limits[0] = robot.torque_rate
+        limits[0] = float(np.max(robot.torque_rate))
     return min((limit for limit in limits if limit > 0.0), default=0.0)
 
 

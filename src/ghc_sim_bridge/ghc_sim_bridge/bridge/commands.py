@@ -14,6 +14,7 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateValues,
 )
 from ghc_controller.types import Array
+from ghc_sim_bridge.bridge.command_claim import sender_of
 
 
 class CommandRejected(GhcError):
@@ -29,6 +30,7 @@ class Command(NamedTuple):
 
     stamp_ns: int  # [ns] of the state that it answers
     torque: Array  # (n,) [Nm] in the bridge's joint order
+    sender: str = ""  # name behind the epoch in frame_id, "" = none
 
 
 class CommandDecoder:
@@ -61,16 +63,15 @@ class CommandDecoder:
             raise CommandRejected("message", str(error)) from error
         if values.name is not self._checked:
             self._look_up(values)
-        if values.frame_id and values.frame_id != str(epoch):
-            raise CommandRejected(
-                "header.frame_id", f"epoch '{values.frame_id}' given, '{epoch}' expected"
-            )
+        given, sender = sender_of(values.frame_id)
+        if given and given != str(epoch):
+            raise CommandRejected("header.frame_id", f"epoch '{given}' given, '{epoch}' expected")
         effort: Array = values.effort[self._order]
         if not np.isfinite(effort).all():
             pairs = zip(self._joint_names, effort, strict=True)
             bad = [f"{name} is {value}" for name, value in pairs if not np.isfinite(value)]
             raise CommandRejected("effort", ", ".join(bad))
-        return Command(values.stamp_ns, effort)
+        return Command(values.stamp_ns, effort, sender)
 
     def _look_up(self, values: JointStateValues) -> None:
         self._check_names(values.name)

@@ -33,6 +33,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
+from ghc_controller.errors import GhcError
 from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.conversions.states import read_joint_state
 from ghc_controller.ros.node_parameters import read_parameters
@@ -43,9 +44,10 @@ from ghc_controller.ros.qos import (
     LOSSLESS_PUBLISHER_QOS,
 )
 from ghc_controller.ros.rejections import Rejections
-from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.run import guarded, run_node, tolerant
 from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
 from ghc_controller.types import NANOSECONDS
+from ghc_sim_bridge.bridge.command_claim import CommandClaim
 from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.diagnostics import EXPECTED, BridgeDiagnostics
@@ -56,6 +58,12 @@ from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.ros.conversions import obstacles_message
+from ghc_sim_bridge.ros.others import (
+    YoungBridge,
+    clock_belongs_to_another,
+    publishers_of,
+    refuse_second_bridge,
+)
 from ghc_sim_bridge.ros.parameters import BridgeParameters
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleSensor
@@ -99,6 +107,8 @@ class SimBridge:
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
         self._parameters = p = read_parameters(self.node, BridgeParameters)
         self.executor = p.executor
+        refuse_second_bridge(self.node)
+        self._claim = CommandClaim()
         simulator = Simulator(
             p.scene,
             control_dt=p.control_dt,
@@ -124,6 +134,7 @@ class SimBridge:
         self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
+        self._young = YoungBridge(self.node, lambda: self._cycle.time_ns, stop)
         self._listen(stop)
         self._mode.restart()
         self.node.get_logger().info(
@@ -184,7 +195,9 @@ class SimBridge:
 
     def _listen(self, stop: Future) -> None:
         node = self.node
-        on_command = guarded(stop, self._on_command)
+        # What ends the bridge is the simulation or the disk, never a message.
+        take = tolerant(self._on_command, "message", self._reject, (GhcError, OSError))
+        on_command = guarded(stop, take)
         node.create_subscription(
             JointState, "joint_commands", on_command, CONTROL_SUBSCRIBER_QOS, raw=True
         )
@@ -197,19 +210,31 @@ class SimBridge:
 
     def _on_command(self, data: bytes) -> None:
         try:
-            stamp_ns, torque = self._decoder.decode(data, self._cycle.epoch)
+            stamp_ns, torque, sender = self._decoder.decode(data, self._cycle.epoch)
         except CommandRejected as error:
             self._refusal = str(error)
             self._reject(error.field, self._refusal)
             return
+        if self._claim.blocks(sender, time.monotonic()):
+            self._ignore(sender)
+            return
         now_ns = self._cycle.time_ns
         unwanted = self._mode.command(stamp_ns, torque)
+        self._claim.heard(sender, time.monotonic(), used=not unwanted)
         if unwanted:
             given, now = stamp_ns / NANOSECONDS, now_ns / NANOSECONDS
             self._reject(unwanted, f"stamp {given:.6f} s given at t = {now:.6f} s ({unwanted})")
             return
         self._refusal = ""
         self._save_log_at_end()
+
+    def _ignore(self, sender: str) -> None:
+        """A second commander: count it, and name it once in a while."""
+        if self._rejections.count("second_commander", time.monotonic()):
+            self.node.get_logger().warning(
+                f"joint_commands: sender '{sender}' ignored while '{self._claim.sender}' commands "
+                f"the robot; publishers: {', '.join(publishers_of(self.node, 'joint_commands'))}"
+            )
 
     def _on_tick(self) -> None:
         self._mode.tick()
@@ -243,6 +268,13 @@ class SimBridge:
         return answer
 
     def _publish_diagnostics(self) -> None:
+        self._young.look()
+        has_clock = not clock_belongs_to_another(self.node)
+        if self._publisher.has_clock and not has_clock:
+            self.node.get_logger().warning(
+                "/clock: another bridge publishes it on this network; this one leaves it to it"
+            )
+        self._publisher.has_clock = has_clock
         health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
             diagnostics_message(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ghc_controller.safety.torque_gate import DEFAULT_TORQUE_RATE
 from ghc_controller.schema.parameters import (
     EXECUTOR,
     given,
@@ -27,7 +28,9 @@ class BridgeParameters:
     stop_time: float = parameter(0.0, "[s] simulated end of the run; 0 = never", not_negative)
     paused: bool = parameter(False, "start paused; ~/pause starts the run")
     log_file: str = parameter("", "full-rate log (.npz) written at the end; empty = none")
-    torque_rate_limit: float = parameter(0.0, "[Nm/s] of the gate; 0 = off", not_negative)
+    torque_rate_limit: float = parameter(
+        DEFAULT_TORQUE_RATE, "[Nm/s] of the gate, at every edge too; 0 = off", not_negative
+    )
     watchdog_timeout: float = parameter(
         0.02, "[s] realtime: a robot without a command this fresh is held", positive
     )

@@ -23,7 +23,9 @@ from ghc_sim_bridge.ros.experiment_driver import ExperimentDriver
 from ghc_sim_bridge.ros.experiment_nodes import executable_of
 from ghc_sim_bridge.run.cpu_placement import Cpus, lockstep_placement
 from ghc_sim_bridge.run.domain import DomainLock
+from ghc_sim_bridge.run.folder_lock import folder_lock
 from ghc_sim_bridge.run.processes import NodeProcesses
+from ghc_sim_bridge.scenario.home import mark_home
 from ghc_sim_bridge.scenario.plan import RunPlan
 from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 
@@ -42,8 +44,14 @@ class RunOutcome:
 def run_experiment(plan: RunPlan) -> RunOutcome:
     """Run one plan over DDS; everything that is written goes to plan.folder.
 
-    Raises GhcError (a node died, a transition was rejected, something did not come in time).
+    Raises GhcError (a node died, a transition was rejected, something did not come in time,
+    another experiment writes the folder).
     """
+    with folder_lock(plan.folder):
+        return _run(plan)
+
+
+def _run(plan: RunPlan) -> RunOutcome:
     robot = _prepare_folder(plan)
     domain = DomainLock()
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -75,6 +83,7 @@ def _prepare_folder(plan: RunPlan) -> Path:
     find_urdf(read_yaml(robot).value("urdf"), robot)  # a missing model is told before the rest
     if plan.folder.exists():
         shutil.rmtree(plan.folder)
+    mark_home(plan.scenario, plan.folder.parent)
     (plan.folder / "logs").mkdir(parents=True)
     parameters: dict[str, dict[str, Any]] = {
         node: dict(values) for node, values in plan.parameters.items()

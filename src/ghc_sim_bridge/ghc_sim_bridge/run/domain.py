@@ -31,14 +31,27 @@ class DomainLock:
 
     def _take(self) -> int:
         folder = Path(tempfile.gettempdir()) / "ghc_ros_domains"
-        folder.mkdir(mode=0o777, exist_ok=True)
+        with contextlib.suppress(FileExistsError):
+            folder.mkdir()
+            folder.chmod(0o1777)  # whatever the umask: other users of this host lock here too
         for domain in _DOMAINS:
             with contextlib.ExitStack() as held, contextlib.suppress(OSError):
-                file = held.enter_context((folder / f"{domain}.lock").open("a"))
+                file = held.enter_context(_open_lock(folder / f"{domain}.lock"))
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 held.pop_all()
                 self._file = file
                 return domain
         raise GhcError(
-            f"no free ROS domain among {_DOMAINS[0]} to {_DOMAINS[-1]}; set ROS_DOMAIN_ID"
+            f"no free ROS domain among {_DOMAINS[0]} to {_DOMAINS[-1]} (locks in {folder}); set "
+            "ROS_DOMAIN_ID"
         )
+
+
+def _open_lock(path: Path) -> IO[str]:
+    """The file to lock, which may belong to another user; OSError where it cannot be opened."""
+    try:
+        return path.open(encoding="utf-8")  # a lock needs no right to write
+    except FileNotFoundError:
+        with path.open("x", encoding="utf-8"):
+            path.chmod(0o666)
+        return path.open(encoding="utf-8")

@@ -37,6 +37,7 @@ def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
             "control_dt": plan.control_dt,
             "torque_rate_limit": scenario.torque_rate_limit,
             "lockstep": plan.options.mode == "lockstep",
+            "arming": "automatic",  # the script begins with the first state
         },
         "recorder": {
             "output": str(folder / "recording"),

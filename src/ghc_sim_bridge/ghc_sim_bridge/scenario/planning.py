@@ -14,6 +14,7 @@ from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import FORMULATIONS, blending_formulations
 from ghc_controller.robot.library import find_robot
 from ghc_mpc_constraints.generators import GENERATORS
+from ghc_sim_bridge.scenario.home import results_home
 from ghc_sim_bridge.scenario.keyframe_references import keyframe_references
 from ghc_sim_bridge.scenario.parameters import node_parameters
 from ghc_sim_bridge.scenario.plan import (
@@ -81,7 +82,7 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
         control_dt=control_dt,
         phases=phases,
         parameters={},
-        folder=output / scenario.name / folder,
+        folder=results_home(scenario, output) / folder,
         is_default=is_default,
         changes=scenario.robot_changes,
     )

@@ -18,6 +18,8 @@ from ghc_controller.types import NANOSECONDS, UNIT_TOLERANCE, Array
 Status = TypeVar("Status", PlanStatus, MotionStatus)
 
 SHORTEST_STEP, LONGEST_STEP = 1e-6, 10.0  # [s] between two points of a plan
+# What a planned obstacle may be at most, along one axis.
+FARTHEST, FASTEST, SHARPEST, JERKIEST = 100.0, 20.0, 1e3, 1e6  # [m], [m/s], [m/s^2], [m/s^3]
 
 
 def force_bounds_from_message(message: ContactForceBounds) -> ForceBoundsPlan:
@@ -117,6 +119,16 @@ def _planned_obstacle(entry: ObstacleState, steps: int) -> PlannedObstacle:
         raise InvalidValue(
             f"{where}: safe_distance {entry.safe_distance:g} m given, 0 or more expected"
         )
+    for what, values, most in (
+        ("position", state[0], FARTHEST),
+        ("velocity", state[1], FASTEST),
+        ("acceleration", state[2], SHARPEST),
+        ("jerk", jerk, JERKIEST),
+        ("safe_distance", np.array([entry.safe_distance]), FARTHEST),
+    ):
+        largest = float(np.abs(values).max(initial=0.0))
+        if largest > most:
+            raise InvalidValue(f"{where}, {what}: {largest:g} given, at most {most:g} expected")
     length = float(np.linalg.norm(normal))
     if not abs(length - 1.0) <= UNIT_TOLERANCE:  # as well when it is no number
         raise InvalidValue(f"{where}: normal of length {length:g} given, 1 expected")

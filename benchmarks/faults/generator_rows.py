@@ -1,0 +1,166 @@
+"""Faults of the constraint generators and of what they hear and say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from ghc_msgs.msg import ContactForceBounds, ContactSchedule, ObstacleState, ObstacleStateArray
+from std_msgs.msg import Header
+
+from benchmarks.faults.process_rows import freeze, kill_and_restart
+from benchmarks.faults.request_rows import now_of
+from benchmarks.faults.row import Bench, Limits, Row, nothing
+from benchmarks.faults.session import Session
+from ghc_controller.ros.qos import PLAN_QOS, SCHEDULE_QOS
+from ghc_controller.ros.time import time_from_seconds
+
+FOREVER = 2**31 - 1  # [s]
+GENERATORS = ("contact_force_bounds", "obstacle_bounds")
+STOPS = (0.005, 0.05, 0.5, 5.0)  # [s]
+COUNT, PAUSE = 100, 0.01  # [-] messages, [s] wall between them
+NEAR = Limits(speed=4.0, recovery=4.0)  # a forged obstacle pushes the arm
+
+
+def measured(session: Session, count: int, **fields: Any) -> ObstacleStateArray:
+    """What an obstacle sensor would say."""
+    message = ObstacleStateArray(header=Header(stamp=time_from_seconds(now_of(session))))
+    for k in range(count):
+        entry = ObstacleState(
+            id=f"ball_{k}",
+            protected_frame="tool",
+            position=[0.9, 0.0, 0.6],
+            normal=[-1.0, 0.0, 0.0],
+            distance=0.4,
+            safe_distance=0.1,
+        )
+        for name, value in fields.items():
+            setattr(entry, name, value)
+        message.obstacles.append(entry)
+    return message
+
+
+def planned(session: Session, **fields: Any) -> ObstacleStateArray:
+    """What a second generator of obstacle motion would say."""
+    now = now_of(session)
+    message = measured(session, 1, **{"jerk": [0.0] * 3, **fields})
+    message.header.frame_id = "0"
+    message.step = 0.01
+    message.valid_until = time_from_seconds(now + 1.5)
+    return message
+
+
+def bounds(session: Session, lower: float, upper: float, on: bool) -> ContactForceBounds:
+    """What a second generator of force bounds would say of the tool."""
+    now = now_of(session)
+    message = ContactForceBounds(step=0.01, points=151, interpolate=True, contacts=["tool"])
+    message.header = Header(stamp=time_from_seconds(now), frame_id="0")
+    message.valid_until = time_from_seconds(now + 1.5)
+    message.lower, message.upper = [lower] * 151, [upper] * 151
+    message.in_contact, message.conflict, message.status = [on], [False], [1]
+    return message
+
+
+def sensor(make: Callable[[Session], ObstacleStateArray], count: int = COUNT) -> Any:
+    """Publish on constraints/obstacles."""
+
+    def inject(session: Session, _: np.random.Generator) -> None:
+        for _k in range(count):
+            session.obstacles.publish(make(session))
+            session.spin(PAUSE)
+
+    return inject
+
+
+def plans(topic: str, kind: type, make: Callable[[Session], Any]) -> Any:
+    """Publish as a second generator does."""
+
+    def inject(session: Session, _: np.random.Generator) -> None:
+        publisher = session.node.create_publisher(kind, topic, PLAN_QOS)
+        for _k in range(COUNT):
+            publisher.publish(make(session))
+            session.spin(PAUSE)
+        session.node.destroy_publisher(publisher)
+
+    return inject
+
+
+def schedules(make: Callable[[int], ContactSchedule], session: Session, _: Any) -> None:
+    """Publish schedules of contacts."""
+    publisher = session.node.create_publisher(
+        ContactSchedule, "constraints/contact_schedule", SCHEDULE_QOS
+    )
+    for k in range(500):
+        publisher.publish(make(k))
+        session.spin(0.002)
+    session.node.destroy_publisher(publisher)
+
+
+def tick(stamp: Time, frame_id: str, session: Session, _: np.random.Generator) -> None:
+    """One forged tick."""
+    session.ticks.publish(Header(stamp=stamp, frame_id=frame_id))
+
+
+def _schedule(k: int, **fields: Any) -> ContactSchedule:
+    values = {"contact": "tool", "times": [0.0], "lower": [0.0], "upper": [0.0]} | fields
+    return ContactSchedule(**{n: v(k) if callable(v) else v for n, v in values.items()})
+
+
+def _stamped(message: ObstacleStateArray, seconds: int) -> ObstacleStateArray:
+    message.header.stamp = Time(sec=seconds)
+    return message
+
+
+_FORCE, _MOTION = "constraints/contact_force_bounds", "constraints/obstacle_motion"
+_NAN = float("nan")
+
+_ROWS: dict[str, Any] = {
+    "baseline with generators": nothing,
+    **{f"{name} kill -9": partial(kill_and_restart, name) for name in GENERATORS},
+    **{
+        f"{name} SIGSTOP {1e3 * seconds:g} ms": partial(freeze, name, seconds)
+        for name in GENERATORS
+        for seconds in STOPS
+    },
+    "controller kill -9 with generators": partial(kill_and_restart, "controller"),
+    "ONE obstacles, empty, stamp 2^31-1 s": sensor(lambda s: _stamped(measured(s, 0), FOREVER), 1),
+    "ghc/tick stamp 1e6 s": partial(tick, Time(sec=10**6), "0"),
+    "ghc/tick stamp 2^31-1 s": partial(tick, Time(sec=FOREVER, nanosec=999_999_999), "0"),
+    "ghc/tick epoch 999999": partial(tick, Time(), "999999"),
+    "100 obstacles": sensor(lambda s: measured(s, 100), 10),
+    "1e4 obstacles": sensor(lambda s: measured(s, 10_000), 1),
+    "obstacle flickers": sensor(lambda s: measured(s, int(10.0 * now_of(s)) % 2)),
+    "malformed obstacles": sensor(lambda s: measured(s, 1, normal=[_NAN] * 3, distance=_NAN)),
+    "contact_schedule flood": partial(schedules, _schedule),
+    "500 contact names in schedules": partial(
+        schedules, partial(_schedule, contact=lambda k: f"contact_{k}")
+    ),
+    "malformed schedules": partial(schedules, partial(_schedule, lower=[_NAN])),
+    "second force generator: lower 1e6 N": plans(
+        _FORCE, ContactForceBounds, lambda s: bounds(s, 1e6, 2e6, True)
+    ),
+    "second force generator: lower > upper": plans(
+        _FORCE, ContactForceBounds, lambda s: bounds(s, 50.0, 10.0, False)
+    ),
+    "second motion generator: v 1e300": plans(
+        _MOTION, ObstacleStateArray, lambda s: planned(s, velocity=[1e300] * 3)
+    ),
+    "second motion generator: obstacle in the arm": plans(
+        _MOTION, ObstacleStateArray, lambda s: planned(s, position=[0.4, 0.0, 0.5])
+    ),
+}
+
+ROWS = tuple(
+    Row(
+        name,
+        inject,
+        "generators",
+        bench=Bench.CONTACT,
+        limits=Limits(recovery=30.0, hold=0.02) if "controller kill" in name else NEAR,
+        quick="tick" in name or "obstacles, empty" in name or "1e6 N" in name,
+    )
+    for name, inject in _ROWS.items()
+)

@@ -1,0 +1,106 @@
+"""Modes of a controller: when it moves the robot, when it keeps it where it is, when it brakes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+
+RESET = "controller/reset_fault"
+ARM = "controller/arm"
+
+
+class Mode(Enum):
+    """What the controller does with the robot; the values of ghc_msgs/ControllerMode."""
+
+    WAITING = 0  # no state that can be answered has come: no command leaves
+    HOLDING = 1  # the robot is kept where it is
+    ACTIVE = 2  # references and hierarchy are followed
+    LATCHED = 3  # a fault: braked until it is reset
+
+
+class Arming(Enum):
+    """What makes a controller active."""
+
+    REQUEST = "request"  # the first transition or reference that it accepts, or the service
+    EXPLICIT = "explicit"  # the service alone; requests before are rejected
+    AUTOMATIC = "automatic"  # the first state: for simulations; faults are not latched
+
+
+class ModeLogic:
+    """Says which mode is in force, and why.
+
+    waiting -> holding (first state) -> active (armed) -> latched (fault) -> holding (reset).
+    With Arming.AUTOMATIC: waiting -> active.
+    """
+
+    def __init__(self, arming: Arming, changed: Callable[[], None]) -> None:
+        """Begin in WAITING; `changed` is told of every change after that."""
+        self.arming = arming
+        self._changed = changed
+        self.mode, self.reason = Mode.WAITING, "no joint_states yet"
+
+    @property
+    def latches(self) -> bool:
+        """Whether a fault is latched."""
+        return self.arming is not Arming.AUTOMATIC
+
+    def started(self) -> None:
+        """The first state of a run is about to be answered."""
+        if self.mode is Mode.LATCHED:
+            return
+        if self.arming is Arming.AUTOMATIC:
+            self._set(Mode.ACTIVE, "arming is automatic")
+        else:
+            self._set(Mode.HOLDING, f"started where the robot is; {self._way_on}")
+
+    def waits(self, reason: str) -> None:
+        """The robot cannot be taken over as it is."""
+        if self.mode is Mode.WAITING and reason != self.reason:
+            self._set(Mode.WAITING, reason)
+
+    def refusal(self) -> str:
+        """Why a request cannot be taken now; "" if it can."""
+        if self.mode is Mode.LATCHED:
+            return f"the controller is latched ({self.reason})"
+        if self.mode is Mode.HOLDING and self.arming is Arming.EXPLICIT:
+            return f"the controller is holding the robot; {self._way_on}"
+        return ""
+
+    def requested(self) -> None:
+        """A request was accepted."""
+        if self.mode is Mode.HOLDING and self.arming is Arming.REQUEST:
+            self._set(Mode.ACTIVE, "a request was accepted")
+
+    def arm(self) -> str:
+        """Become active; why not, "" where it did."""
+        if self.mode is Mode.HOLDING:
+            self._set(Mode.ACTIVE, f"armed by {ARM}")
+        return "" if self.mode is Mode.ACTIVE else f"{self.mode.name}: {self.reason}"
+
+    def hold(self) -> str:
+        """Keep the robot where it is; why not, "" where it does."""
+        if self.mode is Mode.ACTIVE:
+            self._set(Mode.HOLDING, f"asked to hold; {self._way_on}")
+        return "" if self.mode is Mode.HOLDING else f"{self.mode.name}: {self.reason}"
+
+    def fault(self, reason: str) -> None:
+        """Brake until reset; the first reason stays."""
+        if self.latches and self.mode is not Mode.LATCHED:
+            self._set(Mode.LATCHED, f"{reason}; call {RESET} when its cause is gone")
+
+    def reset_fault(self) -> str:
+        """Leave LATCHED for HOLDING; why not, "" where it did."""
+        if self.mode is not Mode.LATCHED:
+            return f"{self.mode.name}: there is no fault"
+        self._set(Mode.HOLDING, f"fault reset; {self._way_on}")
+        return ""
+
+    @property
+    def _way_on(self) -> str:
+        if self.arming is Arming.EXPLICIT:
+            return f"call {ARM} to go on"
+        return f"the first accepted request, or {ARM}, makes it active"
+
+    def _set(self, mode: Mode, reason: str) -> None:
+        self.mode, self.reason = mode, reason
+        self._changed()

@@ -1,0 +1,80 @@
+"""From which torque the rate limit counts: the one that was sent, not the one that is reported.
+
+On a robot the reported effort is a noisy measurement, and anybody on the network can forge it. It
+is used only where nothing better is known: for the first torque, and for the periods in which
+nothing was sent, and then only as far as the rate limit could have led in that time.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ghc_controller.types import Array
+
+FIRST_SHARE = 0.1  # [-] of the torque limit: how far a first report may be from holding still
+_SAME_TIME = 1e-9  # [s]
+
+
+class RateAnchor:
+    """Remembers what was sent; says from where the next torque may change.
+
+    Two torques sent in a row differ by at most the rate limit times the period, whatever is
+    reported in between.
+    """
+
+    def __init__(self, torque_limit: Array, torque_step: Array, control_dt: float) -> None:
+        """Nothing sent yet.
+
+        Args:
+            torque_limit: (a,) [Nm], inf where there is none.
+            torque_step: (a,) [Nm] largest change in one control period; inf = no limit.
+            control_dt: [s] control period.
+        """
+        self._limit = torque_limit
+        self._step = torque_step
+        self._period = control_dt
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was sent."""
+        self._sent: Array | None = None
+        self._time = 0.0  # [s] of the state that `_sent` answers
+        self._before: Array | None = None  # [Nm] anchor that was used for it
+
+    def sent(self, torque: Array, time: float) -> None:
+        """Note the torque (a,) [Nm] that answers the state of `time` [s]."""
+        self._sent, self._time = torque, time
+
+    @property
+    def is_set(self) -> bool:
+        """True once there is an anchor."""
+        return self._sent is not None
+
+    def first(self, reported: Array | None, holding: Array, share: float = FIRST_SHARE) -> Array:
+        """Anchor (a,) [Nm] for the first torque.
+
+        Args:
+            reported: (a,) [Nm] torque over the last period as the state has it, anything.
+            holding: (a,) [Nm] torque that holds the robot still at this state.
+            share: [-] of the torque limit that the report may be away from `holding`.
+        """
+        anchor = holding
+        if reported is not None and np.isfinite(reported).all():
+            room = share * self._limit
+            anchor = np.clip(reported, holding - room, holding + room)
+        self._before = np.clip(anchor, -self._limit, self._limit)
+        return self._before
+
+    def at(self, time: float, reported: Array | None) -> Array:
+        """Anchor (a,) [Nm] for the answer to the state of `time` [s]; arguments as in `first`."""
+        assert self._sent is not None
+        assert self._before is not None
+        if abs(time - self._time) <= _SAME_TIME:
+            return self._before  # a state that is answered again: not from its own answer
+        self._before = self._sent
+        missed = max(round((time - self._time) / self._period) - 1, 0)
+        if missed and reported is not None and np.isfinite(reported).all():
+            room = missed * self._step
+            believed = np.clip(reported, -self._limit, self._limit)
+            self._before = np.clip(believed, self._sent - room, self._sent + room)
+        return self._before

@@ -1,0 +1,113 @@
+"""Who else is on the network: another bridge of the same robot, or of another one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+
+from ghc_controller.errors import ConfigurationError
+from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS
+from ghc_controller.ros.run import guarded
+from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
+
+DISCOVERY = 0.25  # [s] wall; a bridge that runs on this host is known by then
+LISTENING = 1.0  # [s] wall; one that runs publishes at least every 50 ms, also while paused
+YOUTH = 5  # [s] wall
+AHEAD = 10  # [-] states of an older bridge that are enough
+STATES, CLOCK = "joint_states", "/clock"
+
+
+def publishers_of(node: Node, topic: str) -> list[str]:
+    """Full names of the nodes that publish a topic, sorted."""
+    entries = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
+    return sorted(f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in entries)
+
+
+def refuse_second_bridge(node: Node) -> None:
+    """Wait until others are known, and refuse to be the second one that publishes states.
+
+    A publisher that is known and says nothing does not count: it was killed, and the middleware
+    has not noticed yet.
+
+    Raises:
+        ConfigurationError: somebody publishes joint states here; names who.
+    """
+    deadline = time.monotonic() + DISCOVERY
+    while not node.count_publishers(STATES):
+        if time.monotonic() > deadline:
+            return
+        time.sleep(0.01)
+    heard: list[bytes] = []
+    executor = SingleThreadedExecutor(context=node.context)
+    listener = Node(
+        f"{node.get_name()}_check", context=node.context, namespace=node.get_namespace()
+    )
+    listener.create_subscription(
+        JointState, STATES, heard.append, CONTROL_SUBSCRIBER_QOS, raw=True
+    )
+    executor.add_node(listener)
+    deadline = time.monotonic() + LISTENING
+    while not heard and time.monotonic() < deadline:
+        executor.spin_once(timeout_sec=0.05)
+    executor.shutdown()
+    listener.destroy_node()
+    if heard:
+        raise ConfigurationError(_second(node))
+
+
+def _second(node: Node) -> str:
+    return (
+        f"{node.resolve_topic_name(STATES)} is published already by "
+        f"{', '.join(publishers_of(node, STATES))}: one bridge or driver per robot is expected; "
+        "a second robot needs a namespace or domain of its own"
+    )
+
+
+class YoungBridge:
+    """The same check while a bridge is young: discovery takes longer on a busy machine.
+
+    Its own time has just begun; states that are ahead of it are those of an older bridge.
+    """
+
+    def __init__(self, node: Node, now_ns: Callable[[], int], stop: Future) -> None:
+        """`now_ns` gives the bridge's own time [ns]; `stop` ends the node with the error."""
+        self._node = node
+        self._now_ns = now_ns
+        self._stop = stop
+        self._ahead = 0
+        self._looks = 0
+        self._listener: Subscription | None = None
+
+    def look(self) -> None:
+        """Once a second: listen while young and not alone."""
+        self._looks += 1
+        young = self._looks <= YOUTH
+        if young and self._listener is None and self._node.count_publishers(STATES) > 1:
+            self._listener = self._node.create_subscription(
+                JointState,
+                STATES,
+                guarded(self._stop, self._hear),
+                CONTROL_SUBSCRIBER_QOS,
+                raw=True,
+            )
+        elif not young and self._listener is not None:
+            self._node.destroy_subscription(self._listener)
+            self._listener = None
+
+    def _hear(self, data: bytes) -> None:
+        if len(data) >= STAMP_END and read_stamp(data) > self._now_ns():
+            self._ahead += 1
+        if self._ahead >= AHEAD:
+            raise ConfigurationError(_second(self._node))
+
+
+def clock_belongs_to_another(node: Node) -> bool:
+    """Whether a node whose name comes first in the alphabet publishes the clock as well."""
+    own = f"{node.get_namespace().rstrip('/')}/{node.get_name()}"
+    return any(name < own for name in publishers_of(node, CLOCK))

@@ -1,0 +1,57 @@
+"""Modes: what leads from one to the other, and what is refused in each."""
+
+from __future__ import annotations
+
+import pytest
+
+from ghc_controller.safety.modes import Arming, Mode, ModeLogic
+
+
+def _started(arming: Arming) -> tuple[ModeLogic, list[Mode]]:
+    seen: list[Mode] = []
+    logic = ModeLogic(arming, lambda: seen.append(logic.mode))
+    assert logic.mode is Mode.WAITING
+    logic.started()
+    return logic, seen
+
+
+def test_the_first_accepted_request_arms() -> None:
+    logic, seen = _started(Arming.REQUEST)
+    assert logic.refusal() == ""
+    logic.requested()
+    logic.requested()
+    assert seen == [Mode.HOLDING, Mode.ACTIVE]
+
+
+def test_explicit_arming_refuses_requests_until_then() -> None:
+    logic, seen = _started(Arming.EXPLICIT)
+    assert "controller/arm" in logic.refusal()
+    logic.requested()
+    assert logic.mode is Mode.HOLDING
+    assert logic.arm() == ""
+    assert logic.refusal() == ""
+    assert logic.hold() == ""
+    assert seen == [Mode.HOLDING, Mode.ACTIVE, Mode.HOLDING]
+
+
+@pytest.mark.parametrize("arming", [Arming.REQUEST, Arming.EXPLICIT])
+def test_a_fault_is_latched_with_its_first_reason_until_reset(arming: Arming) -> None:
+    logic, seen = _started(arming)
+    logic.arm()
+    logic.fault("first")
+    logic.fault("second")
+    assert logic.reason.startswith("first; call controller/reset_fault")
+    for refused in (logic.arm(), logic.hold(), logic.refusal()):
+        assert "first" in refused
+    logic.requested()
+    logic.started()  # a reset of the bridge does not clear it
+    assert logic.mode is Mode.LATCHED
+    assert logic.reset_fault() == ""
+    assert "no fault" in logic.reset_fault()
+    assert seen == [Mode.HOLDING, Mode.ACTIVE, Mode.LATCHED, Mode.HOLDING]
+
+
+def test_an_automatic_controller_is_active_at_once_and_latches_nothing() -> None:
+    logic, seen = _started(Arming.AUTOMATIC)
+    logic.fault("anything")
+    assert seen == [Mode.ACTIVE]

@@ -1,0 +1,33 @@
+"""One commander is followed until it is silent."""
+
+from __future__ import annotations
+
+from ghc_sim_bridge.bridge.command_claim import CLAIM_TIME, CommandClaim, sender_of
+
+
+def test_the_first_one_whose_command_is_used_is_followed() -> None:
+    claim = CommandClaim()
+    claim.heard("stale", 0.0, used=False)
+    assert not claim.blocks("mine", 0.0)
+    claim.heard("mine", 0.0, used=True)
+    for k in range(100):
+        now = 0.01 * k
+        assert claim.blocks("other", now)
+        assert claim.blocks("", now)
+        claim.heard("mine", now, used=False)  # also a repeat keeps the claim
+    assert not claim.blocks("mine", now)
+
+
+def test_after_a_silence_another_one_takes_over() -> None:
+    claim = CommandClaim()
+    claim.heard("mine", 0.0, used=True)
+    assert claim.blocks("next", CLAIM_TIME - 1e-6)
+    assert not claim.blocks("next", CLAIM_TIME)
+    claim.heard("next", CLAIM_TIME, used=True)
+    assert claim.blocks("mine", CLAIM_TIME)
+
+
+def test_the_sender_stands_behind_the_epoch() -> None:
+    assert sender_of("3@controller.5f2a") == ("3", "controller.5f2a")
+    assert sender_of("3") == ("3", "")
+    assert sender_of("") == ("", "")

@@ -1,0 +1,98 @@
+"""One forged tick or obstacle array does not blind a generator."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builtin_interfaces.msg import Time
+from ghc_msgs.msg import ObstacleState, ObstacleStateArray
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+from benchmarks.faults.session import Session
+from ghc_controller.ros.qos import PLAN_QOS
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
+
+FUTURE = [Time(sec=10**6), Time(sec=2**31 - 1, nanosec=999_999_999), Time(sec=-(2**31))]
+
+
+class World:
+    """Ticks and one obstacle as controller and sensor send them; the plans that come."""
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.plans: list[ObstacleStateArray] = []
+        self.node: Node = session.node
+        self.node.create_subscription(
+            ObstacleStateArray, "constraints/obstacle_motion", self.plans.append, PLAN_QOS
+        )
+        self.now = 1.0  # [s]
+
+    def run(self, seconds: float) -> list[ObstacleStateArray]:
+        """Go on in real time; the plans that came meanwhile."""
+        self.plans.clear()
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.now = round(self.now + 0.01, 9)
+            self.session.obstacles.publish(self.array(time_from_seconds(self.now)))
+            self.session.ticks.publish(Header(stamp=time_from_seconds(self.now), frame_id="0"))
+            self.session.spin(0.01)
+        return list(self.plans)
+
+    def array(self, stamp: Time, obstacles: int = 1) -> ObstacleStateArray:
+        """What a sensor sends."""
+        message = ObstacleStateArray(header=Header(stamp=stamp))
+        for k in range(obstacles):
+            message.obstacles.append(
+                ObstacleState(
+                    id=f"ball_{k}",
+                    protected_frame="tool",
+                    position=[0.5, 0.0, 0.5],
+                    normal=[1.0, 0.0, 0.0],
+                    distance=0.3,
+                    safe_distance=0.2,
+                )
+            )
+        return message
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Any:
+    """A generator of obstacle motion that plans."""
+    with Session(tmp_path) as session:
+        session.start("obstacle_bounds", take_over_timeout=0.0)
+        world = World(session)
+        end = time.monotonic() + 60.0
+        while not (world.run(0.3) and world.plans[-1].obstacles):
+            assert time.monotonic() < end, session.output("obstacle_bounds")
+        yield world
+
+
+def _newest(plans: list[ObstacleStateArray]) -> float:
+    return max(nanoseconds_from_time(plan.header.stamp) * 1e-9 for plan in plans)
+
+
+@pytest.mark.parametrize("stamp", FUTURE, ids=lambda s: str(s.sec))
+def test_forged_stamps(world: World, stamp: Time) -> None:
+    """A tick of another time, one of another epoch, an empty obstacle array of the future."""
+    session = world.session
+    session.ticks.publish(Header(stamp=stamp, frame_id="0"))
+    session.ticks.publish(Header(stamp=stamp, frame_id="999999"))
+    session.obstacles.publish(world.array(stamp, obstacles=0))
+    plans = world.run(1.0)
+    assert len(plans) > 20
+    assert _newest(plans) > world.now - 0.5
+    assert [entry.id for entry in plans[-1].obstacles] == ["ball_0"]
+    assert session.processes["obstacle_bounds"].exit_code is None
+
+
+def test_bytes_that_are_no_message(world: World) -> None:
+    for publisher in (world.session.ticks, world.session.obstacles):
+        for _ in range(5):
+            publisher.publish(b"\x00\x01\x00\x00")
+            world.session.spin(0.02)
+    assert len(world.run(1.0)) > 20
+    assert world.session.processes["obstacle_bounds"].exit_code is None
