@@ -120,6 +120,7 @@ class Controller:
         self.force_bounds.reset()
         self.sensing.reset()
         self.contacts.reset()
+        self.constraints.reset()
         self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
@@ -341,15 +342,21 @@ class Controller:
     def _update_limits(
         self, dynamics: Dynamics, state: RobotState, applied: Array | None
     ) -> Limits:
-        boxes = self.constraints.update(
-            self.model, dynamics, state, applied, self.settings.control_dt
-        )
         planned = self.force_bounds.at(state.time)
         bounds = self.sensing.confirm(planned, state.time, state.wrenches)
         self.counts["stale_ticks"] += bool(bounds.stale) or self.obstacles.is_stale(state.time)
+        contacts = self._contact_rows(bounds, state.time)
+        boxes = self.constraints.update(
+            self.model,
+            dynamics,
+            state,
+            applied,
+            self.settings.control_dt,
+            None if contacts is None else contacts.jacobian,
+        )
         return Limits(
             boxes,
-            self._contact_rows(bounds, state.time),
+            contacts,
             bounds,
             self.obstacles.rows(state.time),
         )

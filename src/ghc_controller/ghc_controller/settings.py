@@ -14,6 +14,7 @@ from ghc_controller.constraints import (
     TorqueLimit,
     TorqueRateLimit,
 )
+from ghc_controller.constraints.planned_jerk import PlannedJerk
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import DEFAULT_FORMULATION, FormulationSettings
 from ghc_controller.robot.robot import Robot
@@ -75,4 +76,6 @@ def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
     if settings.velocity_limits:
         limit = settings.velocity_limit or limits.velocity
         constraints.append(JointVelocityLimit(limit, model.na, settings.velocity_horizon))
-    return ConstraintSet(constraints, model)
+    rate = settings.rate_limit(robot)
+    planned = PlannedJerk(rate, model.na) if rate > 0.0 else None
+    return ConstraintSet(constraints, model, planned)

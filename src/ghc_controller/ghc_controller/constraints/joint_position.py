@@ -6,6 +6,7 @@ import math
 
 import numba
 
+from ghc_controller.constraints.jerk_kernels import position_bound
 from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
@@ -68,6 +69,18 @@ class JointPositionLimit(Constraint):
             lower,
             upper,
         )
+        if tick.jerk is not None:
+            _jerk_box(
+                tick.model.q,
+                tick.model.v,
+                self.lower,
+                self.upper,
+                self.brake_acceleration,
+                tick.jerk,
+                tick.dt,
+                lower,
+                upper,
+            )
 
 
 @numba.njit(cache=True)
@@ -123,3 +136,23 @@ def _position_box(
             viable_acceleration(to_lower, -speed, brake[i], dt),
             soft_approach(to_lower, -speed, brake[i], rate, dt),
         )
+
+
+@numba.njit(cache=True)
+def _jerk_box(
+    q: Array,
+    v: Array,
+    q_min: Array,
+    q_max: Array,
+    brake: Array,
+    jerk: Array,
+    dt: float,
+    lower: Array,
+    upper: Array,
+) -> None:
+    """Narrow a box to accelerations after which a joint can stop with bounded jerk."""
+    q_base, v_base = q.shape[0] - brake.shape[0], v.shape[0] - brake.shape[0]
+    for i in range(brake.shape[0]):
+        p, s, k = q[q_base + i], v[v_base + i], v_base + i
+        upper[k] = position_bound(q_max[i] - p, s, jerk[i], brake[i], dt, upper[k])
+        lower[k] = -position_bound(p - q_min[i], -s, jerk[i], brake[i], dt, -lower[k])

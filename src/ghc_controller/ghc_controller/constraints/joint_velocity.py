@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numba
 
+from ghc_controller.constraints.jerk_kernels import velocity_bound
 from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
@@ -40,6 +41,8 @@ class JointVelocityLimit(Constraint):
     def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the acceleration box of this state."""
         _velocity_box(tick.model.v, self.limit, max(self.horizon, tick.dt), lower, upper)
+        if tick.jerk is not None:
+            _jerk_box(tick.model.v, self.limit, tick.jerk, tick.dt, lower, upper)
 
 
 @numba.njit(cache=True)
@@ -48,3 +51,17 @@ def _velocity_box(v: Array, limit: Array, horizon: float, lower: Array, upper: A
     for i in range(limit.shape[0]):
         lower[base + i] = (-limit[i] - v[base + i]) / horizon
         upper[base + i] = (limit[i] - v[base + i]) / horizon
+
+
+@numba.njit(cache=True)
+def _jerk_box(
+    v: Array, limit: Array, jerk: Array, dt: float, lower: Array, upper: Array
+) -> None:
+    """Narrow a box to accelerations that can fall to 0 before the limit; (a,) jerk."""
+    base = v.shape[0] - limit.shape[0]
+    for i in range(limit.shape[0]):
+        to_upper, to_lower = limit[i] - v[base + i], limit[i] + v[base + i]
+        if to_upper > 0.0:
+            upper[base + i] = min(upper[base + i], velocity_bound(to_upper, jerk[i], dt))
+        if to_lower > 0.0:
+            lower[base + i] = max(lower[base + i], -velocity_bound(to_lower, jerk[i], dt))
