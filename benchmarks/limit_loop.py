@@ -1,4 +1,4 @@
-"""Conflicting tasks of an arm, or of the arms of a humanoid that stands, under aggressive changes."""
+"""Conflicting tasks of an arm, or of the arms of a standing humanoid, that change all the time."""
 
 from __future__ import annotations
 

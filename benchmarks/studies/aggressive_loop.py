@@ -48,7 +48,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
             rows = {str(seed): run_loop(case.loop, name, seed, case.duration) for seed in seeds}
             if rows:
                 found[name][case.loop.robot] = rows
-    facts = {case.loop.robot: case.loop._asdict() | {"duration_s": case.duration} for case in cases}
+    facts = [case._asdict() | {"loop": case.loop._asdict()} for case in cases]
     return {"facts": {"cases": facts}, "formulations": found}
 
 
@@ -78,9 +78,9 @@ def table(result: dict[str, Any]) -> str:
         "priorities every 0.3 s in 0 to 0.3 s; new targets, many out of reach, every 0.3 s. "
         "`kuka_stiff`: KUKA, five tasks, 400 1/s^2 and 40 1/s, 60 s. `kuka_stiffer`: 1600, 80, "
         "rate limit 500 Nm/s, 60 s. `kuka_soft`: 30, 20, targets every 2 s, 60 s. `icub_arms`: "
-        "iCub on both feet, hands, elbows and posture of the arms at 400, 40 below center of mass, "
-        "pelvis and chest, 20 s; all joints count. Goals of the default: at most 1e-4 rad, 1 % "
-        "and 0.1 % RELAXED (`kuka_stiffer`: 1e-3 rad, 5 %), no FALLBACK. Refused: transitions "
+        "iCub on both feet, hands, elbows and posture of the arms at 400, 40 below center of "
+        "mass, pelvis and chest, 20 s; all joints count. Goals of the default: at most 1e-4 rad, "
+        "1 % and 0.1 % RELAXED (`kuka_stiffer`: 1e-3 rad, 5 %), no FALLBACK. Refused: transitions "
         "that leave eq. 13b without a solution. Ended: diverged, or the robot fell.\n\n"
         + markdown_table([*head, "ended"], lines)
     )

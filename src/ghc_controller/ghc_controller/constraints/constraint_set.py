@@ -34,6 +34,9 @@ class ConstraintSet:
     ) -> None:
         """Prepare one merge for accelerations and one for torques.
 
+        Args:
+            planned_jerk: what position and velocity limits plan with; None without a rate limit.
+
         Raises:
             InvalidValue: two constraints share a name.
         """
@@ -66,7 +69,11 @@ class ConstraintSet:
         dt: float,
         contacts: Array | None = None,
     ) -> Boxes:
-        """Merged boxes at the state of the last `model.update`; arguments as in Tick."""
+        """Merged boxes at the state of the last `model.update`; arguments as in Tick.
+
+        Args:
+            contacts: (q, n) motion rows of the contacts that are on; None without.
+        """
         jerk = None
         if self.planned_jerk is not None and previous_torque is not None:
             jerk = self.planned_jerk.update(dynamics, state, contacts, dt)

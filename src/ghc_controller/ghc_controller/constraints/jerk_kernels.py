@@ -13,6 +13,7 @@ import numba
 
 _LARGEST = 1e4  # [rad/s^2] search interval of a bound from above
 _HALVINGS = 27  # of it, to 1e-4 rad/s^2
+_TOLERANCE = 1e-5  # [rad] beyond a limit in which a joint may stop that periods made late
 
 
 @numba.njit(cache=True)
@@ -45,20 +46,20 @@ def position_bound(
 ) -> float:
     """Largest a <= cap of this period after which the joint can still stop before its limit.
 
-    Without one: braking to a stop. Beyond the limit the way back keeps within what -j can stop.
+    Without one it brakes, by at most A, as a stop 1e-5 rad beyond the limit needs. Beyond that the
+    way back keeps within what -j can stop.
     """
     if distance == math.inf:
         return cap
     if distance < 0.0 and v < 0.0:
         return min(cap, velocity_bound(-v, jerk, dt))
-    brakes = max(-brake, -v / dt)
     if distance < max(v, 0.0) * dt:
-        return min(cap, brakes)
+        return min(cap, _stops_late(distance, v, brake, dt))
     if _can_stop(cap, distance, v, jerk, brake, dt):
         return cap
     low, high = -brake, min(cap, _LARGEST)
     if not _can_stop(low, distance, v, jerk, brake, dt):
-        return min(cap, brakes if v > 0.0 else -brake)
+        return min(cap, _stops_late(distance, v, brake, dt) if v > 0.0 else -brake)
     for _ in range(_HALVINGS):
         a = 0.5 * (low + high)
         if _can_stop(a, distance, v, jerk, brake, dt):
@@ -69,7 +70,14 @@ def position_bound(
 
 
 @numba.njit(cache=True)
+def _stops_late(distance: float, v: float, brake: float, dt: float) -> float:
+    """Deceleration of a joint that moves with v >= 0 and cannot stop in time."""
+    most, room = max(-brake, -v / dt), distance + _TOLERANCE
+    return max(most, -v * v / (2.0 * room)) if room > 0.0 else most
+
+
+@numba.njit(cache=True)
 def _can_stop(a: float, distance: float, v: float, jerk: float, brake: float, dt: float) -> bool:
     """Whether a joint that moves with a for one period can then stop within `distance`."""
     after = v + a * dt
-    return after * dt + max(stopping_distance(after, a, jerk, brake), 0.0) <= distance
+    return after * dt + stopping_distance(after, a, jerk, brake) <= distance

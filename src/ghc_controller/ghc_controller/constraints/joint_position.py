@@ -6,7 +6,6 @@ import math
 
 import numba
 
-from ghc_controller.constraints.jerk_kernels import position_bound
 from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
@@ -14,6 +13,7 @@ from ghc_controller.constraints.constraint import (
     Tick,
     positive_per_joint,
 )
+from ghc_controller.constraints.jerk_kernels import position_bound
 from ghc_controller.types import Array
 
 
@@ -30,7 +30,8 @@ class JointPositionLimit(Constraint):
     x dt^2, so that a semi-implicit integrator (MuJoCo's) does not overtake the bound either. The
     box always contains clip(-v / dt, -a_brake, a_brake), braking to a stop: it is never empty,
     and a joint that is already beyond a limit may stop or return, as fast as it likes, but not
-    go on.
+    go on. With a planned jerk j (`Tick.jerk`) the box is narrower: from the next period on the
+    acceleration falls with -j to -a_brake (`jerk_kernels`), and the way back is bounded too.
     """
 
     space = Space.ACCELERATION
@@ -70,7 +71,7 @@ class JointPositionLimit(Constraint):
             upper,
         )
         if tick.jerk is not None:
-            _jerk_box(
+            _narrow(
                 tick.model.q,
                 tick.model.v,
                 self.lower,
@@ -139,7 +140,7 @@ def _position_box(
 
 
 @numba.njit(cache=True)
-def _jerk_box(
+def _narrow(
     q: Array,
     v: Array,
     q_min: Array,

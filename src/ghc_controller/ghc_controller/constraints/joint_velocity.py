@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numba
 
-from ghc_controller.constraints.jerk_kernels import velocity_bound
 from ghc_controller.constraints.constraint import (
     Constraint,
     Softness,
@@ -12,6 +11,7 @@ from ghc_controller.constraints.constraint import (
     Tick,
     positive_per_joint,
 )
+from ghc_controller.constraints.jerk_kernels import velocity_bound
 from ghc_controller.types import Array
 
 
@@ -20,7 +20,8 @@ class JointVelocityLimit(Constraint):
 
     Approaching the limit no faster than exponentially with time constant h [s] costs less torque
     rate than stopping within one period; h of 10 to 50 ms is advised, and h below the control
-    period is raised to it. Above the limit the box demands braking back to it.
+    period is raised to it. Above the limit the box demands braking back to it. With a planned jerk
+    (`Tick.jerk`) the acceleration must also be able to fall to 0 before the limit.
     """
 
     space = Space.ACCELERATION
@@ -42,7 +43,7 @@ class JointVelocityLimit(Constraint):
         """Write the acceleration box of this state."""
         _velocity_box(tick.model.v, self.limit, max(self.horizon, tick.dt), lower, upper)
         if tick.jerk is not None:
-            _jerk_box(tick.model.v, self.limit, tick.jerk, tick.dt, lower, upper)
+            _narrow(tick.model.v, self.limit, tick.jerk, tick.dt, lower, upper)
 
 
 @numba.njit(cache=True)
@@ -54,9 +55,7 @@ def _velocity_box(v: Array, limit: Array, horizon: float, lower: Array, upper: A
 
 
 @numba.njit(cache=True)
-def _jerk_box(
-    v: Array, limit: Array, jerk: Array, dt: float, lower: Array, upper: Array
-) -> None:
+def _narrow(v: Array, limit: Array, jerk: Array, dt: float, lower: Array, upper: Array) -> None:
     """Narrow a box to accelerations that can fall to 0 before the limit; (a,) jerk."""
     base = v.shape[0] - limit.shape[0]
     for i in range(limit.shape[0]):

@@ -62,9 +62,7 @@ class PlannedJerk:
         rows = _NO_CONTACTS if contacts is None else np.ascontiguousarray(contacts)
         carried = base_follows(dynamics.mass_matrix, rows, len(self.rate))
         self._measure(carried, dynamics, state, dt)
-        self.share = share_rate(
-            dynamics.mass_matrix, carried, self.drift, self.rate, self.jerk
-        )
+        self.share = share_rate(dynamics.mass_matrix, carried, self.drift, self.rate, self.jerk)
         return self.jerk
 
     def _measure(self, carried: Array, dynamics: Dynamics, state: RobotState, dt: float) -> None:
