@@ -23,17 +23,17 @@ class Case(NamedTuple):
     others: tuple[int, ...] = ()  # seeds of the formulations that are not the default
 
 
-_STIFF = Loop("kuka_stiff", "kuka_lwr", 300)
-_STIFFER = Loop("kuka_stiffer", "kuka_lwr", 300, torque_rate=500.0)
-_SOFT = Loop("kuka_soft", "kuka_lwr", 2000)
-_ARMS = Loop("icub_arms", "icub_standing", 300, standing=3, center="chest", reach=(0.1, 0.5))
+STIFF = Loop("kuka_stiff", "kuka_lwr", 300)
+STIFFER = Loop("kuka_stiffer", "kuka_lwr", 300, torque_rate=500.0)
+SOFT = Loop("kuka_soft", "kuka_lwr", 2000)
+ARMS = Loop("icub_arms", "icub_standing", 300, standing=3, center="chest", reach=(0.1, 0.5))
 _CASES = (
-    Case(_STIFF, 60.0, tuple(range(10)), (0,)),
-    Case(_STIFFER, 60.0, (0, 1, 2, 3, 4)),
-    Case(_SOFT, 60.0, (4,)),
-    Case(_ARMS, 20.0, (0, 1, 2)),
+    Case(STIFF, 60.0, tuple(range(10)), (0,)),
+    Case(STIFFER, 60.0, (0, 1, 2, 3, 4)),
+    Case(SOFT, 60.0, (4,)),
+    Case(ARMS, 20.0, (0, 1, 2)),
 )
-_QUICK = (Case(_STIFF, 0.6, (0,), (0,)),)
+_QUICK = (Case(STIFF, 0.6, (0,), (0,)),)
 
 
 def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
