@@ -38,7 +38,7 @@ def test_limits_hold_under_aggressive_changes(
 def test_without_the_planned_jerk_the_same_loop_breaks_its_speed_limits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """More than fivefold speed and 0.07 rad beyond a limit: the loop is aggressive enough to tell."""
+    """The loop is aggressive enough to tell: more than fivefold speed, 0.07 rad too far."""
     monkeypatch.setattr("ghc_controller.settings.PlannedJerk", lambda *_: None)
     row = run_loop(STIFFER, "cascade", 1, 2.0)
     assert row["velocity_excess_percent"] > 50.0
