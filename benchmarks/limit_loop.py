@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.models import STUDY_ROBOTS
-from benchmarks.random_tasks import random_matrix
+from benchmarks.random_tasks import random_matrix, strict_matrix
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy import PriorityMatrix, Transition
@@ -99,7 +99,7 @@ def _change_priorities(
 ) -> bool:
     names, kept = controller.robot.task_names, loop.standing
     alpha = np.zeros((len(names), len(names)))
-    alpha[kept:, kept:] = random_matrix(rng, len(names) - kept)[0]
+    alpha[kept:, kept:] = _random_priorities(loop, rng, len(names) - kept)
     alpha[kept:, :kept] = 1.0
     transition = Transition(PriorityMatrix(names, alpha), now, float(rng.choice(_DURATIONS)))
     try:
@@ -107,6 +107,14 @@ def _change_priorities(
     except InvalidValue:  # eq. 13b would lose its solution
         return False
     return True
+
+
+def _random_priorities(loop: Loop, rng: np.random.Generator, count: int) -> Array:
+    """Orders alone where a robot has to stand: any other matrix only weights what keeps it up."""
+    if not loop.standing:
+        return random_matrix(rng, count)[0]
+    some = rng.permutation(count)[: int(rng.integers(1, count + 1))]
+    return strict_matrix([int(task) for task in some], count)
 
 
 def _targets(

@@ -79,8 +79,8 @@ def table(result: dict[str, Any]) -> str:
         "`kuka_stiff`: KUKA, five tasks, 400 1/s^2 and 40 1/s, 60 s. `kuka_stiffer`: 1600, 80, "
         "rate limit 500 Nm/s, 60 s. `kuka_soft`: 30, 20, targets every 2 s, 60 s. `icub_arms`: "
         "iCub on both feet, hands, elbows and posture of the arms at 400, 40 below center of "
-        "mass, pelvis and chest, 20 s; all joints count. Goals of the default: at most 1e-4 rad, "
-        "1 % and 0.1 % RELAXED (`kuka_stiffer`: 1e-3 rad, 5 %), no FALLBACK. Refused: transitions "
+        "mass, pelvis and chest, in random orders only, 10 s; all joints count. Goals of the "
+        "default: at most 1e-4 rad, 1 % and 0.1 % RELAXED (`kuka_stiffer`: 1e-3 rad, 5 %), no FALLBACK. Refused: transitions "
         "that leave eq. 13b without a solution. Ended: diverged, or the robot fell.\n\n"
         + markdown_table([*head, "ended"], lines)
     )
