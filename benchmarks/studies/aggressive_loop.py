@@ -80,7 +80,7 @@ def table(result: dict[str, Any]) -> str:
         "rate limit 500 Nm/s, 60 s. `kuka_soft`: 30, 20, targets every 2 s, 60 s. `icub_arms`: "
         "iCub on both feet, hands, elbows and posture of the arms at 400, 40 below center of "
         "mass, pelvis and chest, in random orders only, 10 s; all joints count. Goals of the "
-        "default: at most 1e-4 rad, 1 % and 0.1 % RELAXED (`kuka_stiffer`: 1e-3 rad, 5 %), no FALLBACK. Refused: transitions "
-        "that leave eq. 13b without a solution. Ended: diverged, or the robot fell.\n\n"
-        + markdown_table([*head, "ended"], lines)
+        "default: at most 1e-4 rad, 1 % and 0.1 % RELAXED (`kuka_stiffer`: 1e-3 rad, 5 %), no "
+        "FALLBACK. Refused: transitions that leave eq. 13b without a solution. Ended: diverged, "
+        "or the robot fell.\n\n" + markdown_table([*head, "ended"], lines)
     )
