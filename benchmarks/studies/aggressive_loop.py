@@ -29,9 +29,9 @@ SOFT = Loop("kuka_soft", "kuka_lwr", 2000)
 ARMS = Loop("icub_arms", "icub_standing", 300, standing=3, center="chest", reach=(0.1, 0.5))
 _CASES = (
     Case(STIFF, 60.0, tuple(range(10)), (0,)),
-    Case(STIFFER, 60.0, (0, 1, 2, 3, 4)),
+    Case(STIFFER, 60.0, (0, 1)),
     Case(SOFT, 60.0, (4,)),
-    Case(ARMS, 20.0, (0, 1, 2)),
+    Case(ARMS, 10.0, (0, 1)),
 )
 _QUICK = (Case(STIFF, 0.6, (0,), (0,)),)
 
