@@ -118,6 +118,7 @@ class Controller(Requests, Account):
         self.force_bounds.reset()
         self.sensing.reset()
         self.contacts.reset()
+        self.constraints.reset()
         self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
@@ -266,15 +267,21 @@ class Controller(Requests, Account):
         return self._anchor.first(state.torque, holding, room)
 
     def _update_limits(self, dynamics: Dynamics, state: RobotState, before: Array) -> Limits:
-        boxes = self.constraints.update(
-            self.model, dynamics, state, before, self.settings.control_dt
-        )
         planned = self.force_bounds.at(state.time)
         bounds = self.sensing.confirm(planned, state.time, state.wrenches)
         self.counts["stale_ticks"] += bool(bounds.stale) or self.obstacles.is_stale(state.time)
+        contacts = self._contact_rows(bounds, state.time)
+        boxes = self.constraints.update(
+            self.model,
+            dynamics,
+            state,
+            before,
+            self.settings.control_dt,
+            None if contacts is None else contacts.jacobian,
+        )
         return Limits(
             boxes,
-            self._contact_rows(bounds, state.time),
+            contacts,
             bounds,
             self.obstacles.rows(state.time),
         )

@@ -17,6 +17,7 @@ from ghc_controller.constraints import (
     TorqueLimit,
     TorqueRateLimit,
 )
+from ghc_controller.constraints.planned_jerk import PlannedJerk
 from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS, FormulationSettings
 from ghc_controller.qp import SolverSettings
 from ghc_controller.registry import Registry
@@ -153,4 +154,6 @@ def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
     """
     names = dict.fromkeys((*_ALWAYS, *settings.constraints))
     made = [CONSTRAINTS[name](robot, settings) for name in names]
-    return ConstraintSet([one for one in made if one is not None], robot.model)
+    rate = settings.rate_limit(robot)
+    planned = PlannedJerk(rate, robot.model.na) if np.max(rate) > 0.0 else None
+    return ConstraintSet([one for one in made if one is not None], robot.model, planned)

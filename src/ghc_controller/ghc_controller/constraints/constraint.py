@@ -36,6 +36,7 @@ class Tick(NamedTuple):
     state: RobotState
     previous_torque: Array | None  # (a,) [Nm] applied over the last period; None at the start
     dt: float  # [s] control period
+    jerk: Array | None = None  # (a,) [rad/s^3] within the torque rate limit; None without one
 
 
 class Constraint(ABC):

@@ -9,6 +9,7 @@ import numpy as np
 
 from ghc_controller.constraints.box import Box, Slack, merge_boxes
 from ghc_controller.constraints.constraint import Constraint, Softness, Space, Tick
+from ghc_controller.constraints.planned_jerk import PlannedJerk
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
@@ -25,8 +26,16 @@ class Boxes:
 class ConstraintSet:
     """Constraints in any order; the merge goes by softness, then by the given order."""
 
-    def __init__(self, constraints: Sequence[Constraint], model: RobotModel) -> None:
+    def __init__(
+        self,
+        constraints: Sequence[Constraint],
+        model: RobotModel,
+        planned_jerk: PlannedJerk | None = None,
+    ) -> None:
         """Prepare one merge for accelerations and one for torques.
+
+        Args:
+            planned_jerk: what position and velocity limits plan with; None without a rate limit.
 
         Raises:
             InvalidValue: two constraints share a name.
@@ -36,6 +45,7 @@ class ConstraintSet:
             if names.count(name) > 1:
                 raise InvalidValue(f"constraint name '{name}' is given twice; names must differ")
         self.constraints = tuple(constraints)
+        self.planned_jerk = planned_jerk
         base = tuple(f"base_{i}" for i in range(model.nv - model.na))
         self._acceleration = _Merge(
             [c for c in constraints if c.space is Space.ACCELERATION], base + model.joint_names
@@ -45,6 +55,11 @@ class ConstraintSet:
         )
         self.boxes = Boxes(self._acceleration.box, self._torque.box)
 
+    def reset(self) -> None:
+        """Forget the last state."""
+        if self.planned_jerk is not None:
+            self.planned_jerk.reset()
+
     def update(
         self,
         model: RobotModel,
@@ -52,9 +67,17 @@ class ConstraintSet:
         state: RobotState,
         previous_torque: Array | None,
         dt: float,
+        contacts: Array | None = None,
     ) -> Boxes:
-        """Merged boxes at the state of the last `model.update`; arguments as in Tick."""
-        tick = Tick(model, dynamics, state, previous_torque, dt)
+        """Merged boxes at the state of the last `model.update`; arguments as in Tick.
+
+        Args:
+            contacts: (q, n) motion rows of the contacts that are on; None without.
+        """
+        jerk = None
+        if self.planned_jerk is not None and previous_torque is not None:
+            jerk = self.planned_jerk.update(dynamics, state, contacts, dt)
+        tick = Tick(model, dynamics, state, previous_torque, dt, jerk)
         self._acceleration.update(tick)
         self._torque.update(tick)
         return self.boxes

@@ -13,6 +13,7 @@ from ghc_controller.constraints.constraint import (
     Tick,
     positive_per_joint,
 )
+from ghc_controller.constraints.jerk_kernels import position_bound
 from ghc_controller.types import Array
 
 
@@ -29,7 +30,8 @@ class JointPositionLimit(Constraint):
     x dt^2, so that a semi-implicit integrator (MuJoCo's) does not overtake the bound either. The
     box always contains clip(-v / dt, -a_brake, a_brake), braking to a stop: it is never empty,
     and a joint that is already beyond a limit may stop or return, as fast as it likes, but not
-    go on.
+    go on. With a planned jerk j (`Tick.jerk`) the box is narrower: from the next period on the
+    acceleration falls with -j to -a_brake (`jerk_kernels`), and the way back is bounded too.
     """
 
     space = Space.ACCELERATION
@@ -68,6 +70,18 @@ class JointPositionLimit(Constraint):
             lower,
             upper,
         )
+        if tick.jerk is not None:
+            _narrow(
+                tick.model.q,
+                tick.model.v,
+                self.lower,
+                self.upper,
+                self.brake_acceleration,
+                tick.jerk,
+                tick.dt,
+                lower,
+                upper,
+            )
 
 
 @numba.njit(cache=True)
@@ -123,3 +137,23 @@ def _position_box(
             viable_acceleration(to_lower, -speed, brake[i], dt),
             soft_approach(to_lower, -speed, brake[i], rate, dt),
         )
+
+
+@numba.njit(cache=True)
+def _narrow(
+    q: Array,
+    v: Array,
+    q_min: Array,
+    q_max: Array,
+    brake: Array,
+    jerk: Array,
+    dt: float,
+    lower: Array,
+    upper: Array,
+) -> None:
+    """Narrow a box to accelerations after which a joint can stop with bounded jerk."""
+    q_base, v_base = q.shape[0] - brake.shape[0], v.shape[0] - brake.shape[0]
+    for i in range(brake.shape[0]):
+        p, s, k = q[q_base + i], v[v_base + i], v_base + i
+        upper[k] = position_bound(q_max[i] - p, s, jerk[i], brake[i], dt, upper[k])
+        lower[k] = -position_bound(p - q_min[i], -s, jerk[i], brake[i], dt, -lower[k])
