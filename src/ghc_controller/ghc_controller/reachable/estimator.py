@@ -1,7 +1,7 @@
 """Position, velocity and acceleration of a target, estimated from samples at irregular times.
 
 A Kalman filter with Singer's model (1970): the acceleration decays with a time constant and is
-driven by white noise. All axes share one covariance (3, 3), and rotations move by rotation vectors.
+driven by white noise. All axes share one covariance (3, 3); rotations move by rotation vectors.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from ghc_controller.reachable.tangent import difference, moved
 from ghc_controller.types import Array
 
 _TIME_CONSTANT = 0.5  # [s] of accelerations
-_ACCELERATION = 0.7  # [m/s^2], [rad/s^2] standard deviation
+_ACCELERATION = 0.35  # [m/s^2], [rad/s^2] standard deviation
 _FIRST_VELOCITY = 0.3  # [m/s], [rad/s] standard deviation before the second sample
-_SILENCE = 0.15  # [s] of extrapolation at least, then the target returns to its last sample
-_PERIODS = 2.5  # [-] of mean sample intervals, if that is longer
+_SILENCE = 0.3  # [s] of extrapolation at least, then the target returns to its last sample
+_PERIODS = 5.0  # [-] of mean sample intervals, if that is longer
 _RETURN = 0.5  # [s] that this takes
 
 
@@ -45,7 +45,7 @@ class MotionEstimator:
 
     def innovation(self, time: float, value: Array) -> Array:
         """(m,) from the prediction to a sample."""
-        predicted, _ = self._propagated(time - self.time)
+        predicted, _, _ = self._propagated(time - self.time)
         return difference(value, predicted, self._rotation)
 
     def add(self, time: float, value: Array) -> None:
@@ -53,7 +53,7 @@ class MotionEstimator:
         dt = time - self.time
         self.interval = dt if self.interval is None else self.interval + 0.2 * (dt - self.interval)
         F, Q = _model(dt)
-        predicted, velocity = self._propagated(dt)
+        predicted, velocity, acceleration = self._propagated(dt)
         self._P = F @ self._P @ F.T + Q
         error = difference(value, predicted, self._rotation)
         speed = float(np.linalg.norm(velocity))
@@ -63,27 +63,32 @@ class MotionEstimator:
         self._P = 0.5 * (self._P + self._P.T)
         self._position = moved(predicted, gain[0] * error, self._rotation)
         self._velocity = velocity + gain[1] * error
-        self._acceleration = F[2, 2] * self._acceleration + gain[2] * error
+        self._acceleration = acceleration + gain[2] * error
         self.time, self.sample = time, value
 
-    def at(self, time: float) -> tuple[Array, Array]:
-        """Target and its velocity at a time [s]; without samples it returns to the last one."""
+    def at(self, time: float) -> tuple[Array, Array, Array]:
+        """Target, its velocity and acceleration at a time [s].
+
+        Without samples it returns to the last one.
+        """
         dt = time - self.time
         silence = max(_SILENCE, _PERIODS * (self.interval or 0.0))
-        position, velocity = self._propagated(min(dt, silence))
+        position, velocity, acceleration = self._propagated(min(dt, silence))
         if dt <= silence:
-            return position, velocity
+            return position, velocity, acceleration
         share = min((dt - silence) / _RETURN, 1.0)
         away = difference(position, self.sample, self._rotation)
         kept = 1.0 - share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
         rate = -30.0 * share**2 * (1.0 - share) ** 2 / _RETURN
-        return moved(self.sample, kept * away, self._rotation), rate * away
+        change = -60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / _RETURN**2
+        return moved(self.sample, kept * away, self._rotation), rate * away, change * away
 
-    def _propagated(self, dt: float) -> tuple[Array, Array]:
+    def _propagated(self, dt: float) -> tuple[Array, Array, Array]:
         F, _ = _model(dt)
         step = F[0, 1] * self._velocity + F[0, 2] * self._acceleration
         velocity = self._velocity + F[1, 2] * self._acceleration
-        return moved(self._position, step, self._rotation), velocity
+        position = moved(self._position, step, self._rotation)
+        return position, velocity, F[2, 2] * self._acceleration
 
 
 def _model(dt: float) -> tuple[Array, Array]:

@@ -18,13 +18,14 @@ _PATIENCE = 10  # plans at rest before a search
 _LONGEST = 200  # iterations from one posture
 _SPREAD = 1.0  # [rad], [m] of the postures tried, about the present one
 _SEED = 1
-SWITCH = 1e-6
-MODEL = "newton"
-ADAPTS = False
+_SWITCH = 1e-8  # [-] a level within 0.14 mm has no second-order term
 
 
 class PostureGoal:
     """Gauss-Newton with quasi-Newton at singularities (GN-QN), some iterations per plan.
+
+    The trust region keeps its radius: adapted, it would shrink where a joint's step changes sign,
+    which near a target that is followed happens at every rounding, and other joints would move.
 
     The solver finds a local optimum. Where targets stand still and are not met, it also starts
     from other postures, drawn with a fixed seed, and goes over to a better one.
@@ -49,10 +50,14 @@ class PostureGoal:
         self._still = np.zeros(model.nv)
         self.q, self.moved_over = q.copy(), False
         self._solver = HierarchySolver(
-            model.nv, KinematicSettings(trust_region=settings.trust_region, switch=SWITCH, model=MODEL, adapts=ADAPTS)
+            model.nv,
+            KinematicSettings(trust_region=settings.trust_region, switch=_SWITCH, adapts=False),
         )
         self._other = HierarchySolver(
-            model.nv, KinematicSettings(trust_region=5.0 * settings.trust_region, switch=SWITCH, model=MODEL, adapts=ADAPTS)
+            model.nv,
+            KinematicSettings(
+                trust_region=5.0 * settings.trust_region, switch=_SWITCH, adapts=False
+            ),
         )
         self._targets: dict[str, Array] = {}
         self._begin_search()
@@ -114,12 +119,6 @@ class PostureGoal:
         self._model.update(q, self._still)
         state = RobotState(0.0, q, self._still)
         rows = [level.rows(self._model, state, targets) for level in self._levels]
-        step = solver.solve(rows, self._lower - q, self._upper - q, self._own, self._term)
+        step = solver.solve(rows, self._lower - q, self._upper - q)
         errors = tuple(float(np.linalg.norm(level.lower)) for level in rows)
         return np.clip(q + step, self._lower, self._upper), errors
-
-    def _own(self, level: int, error: Array) -> Array:
-        return self._levels[level].error_curvature(self._model, error)
-
-    def _term(self, level: int, weights: Array) -> Array:
-        return self._levels[level].curvature(self._model, weights)

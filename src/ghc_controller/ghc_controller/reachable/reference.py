@@ -100,15 +100,13 @@ class ReachableReference:
             raise RuntimeError("output needs a plan before it")
         return self._motion.output
 
-    def add(
-        self, task: str, position: ArrayLike, now: float, stamp: float | None = None
-    ) -> None:
+    def add(self, task: str, position: ArrayLike, now: float, stamp: float | None = None) -> None:
         """Take a sample of the target of a task.
 
         Args:
             position: as a reference of the task: [m], [rad], quaternions x, y, z, w.
             now: [s] time of the robot.
-            stamp: [s] when the target was there; now without.
+            stamp: [s] when the target was there; without, as the times of arrival tell.
 
         Raises:
             UnknownName: the task has no stream.
@@ -117,7 +115,7 @@ class ReachableReference:
         if task not in self.streams:
             raise UnknownName("task with a target stream", task, self.streams)
         values = np.array(position, dtype=np.float64)
-        self.streams[task].add(now if stamp is None else stamp, values, now)
+        self.streams[task].add(stamp, values, now)
 
     def plan(self, state: RobotState) -> tuple[ReferenceTrajectory, ...]:
         """Trajectories from the end of the last plan on, empty where nothing moves.
@@ -156,9 +154,7 @@ class ReachableReference:
         limits = self.limits.containing(q)
         self._motion = JointMotion(self.limits, self.settings.smoothing, q)
         levels = [Level(task) for task in self._targeted]
-        self._goal = PostureGoal(
-            self._model, levels, limits.lower, limits.upper, q, self.settings
-        )
+        self._goal = PostureGoal(self._model, levels, limits.lower, limits.upper, q, self.settings)
         self._time = state.time + self.settings.lead
         self._rests = False
         self._model.update(q, np.zeros(self._model.nv))
@@ -184,7 +180,9 @@ class ReachableReference:
         assert self._motion is not None
         assert self._goal is not None
         tail = self._motion.tail(self._goal.q, self._rate, 2 * self._steps)
-        chosen = sorted({self._steps, 2 * self._steps, *range(2 * self._steps, len(tail), _TAIL_STEP)})
+        chosen = sorted(
+            {self._steps, 2 * self._steps, *range(2 * self._steps, len(tail), _TAIL_STEP)}
+        )
         for k in [*(k for k in chosen if k < len(tail)), len(tail)]:
             times.append(self._time + k * _MILLISECOND)
             rows.append(tail[k - 1])

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
+from ghc_controller.reachable.arrival_clock import ArrivalClock
 from ghc_controller.reachable.estimator import MotionEstimator
 from ghc_controller.reachable.settings import ReachableSettings
 from ghc_controller.reachable.tangent import difference, moved
@@ -36,6 +37,7 @@ class TargetStream:
     def reset(self) -> None:
         """Forget all samples."""
         self.jumps = 0
+        self._clock = ArrivalClock(self._settings.jitter)
         self._estimators: list[MotionEstimator] = []
         self._followed: list[tuple[Array, Array]] = []  # position, velocity of the filter
         self._far: list[tuple[float, list[Array]]] = []  # samples that wait for confirmation
@@ -52,11 +54,11 @@ class TargetStream:
             for part, rotation in zip(self._parts(position), self._rotations, strict=True)
         ]
 
-    def add(self, stamp: float, position: Array, now: float) -> None:
+    def add(self, stamp: float | None, position: Array, now: float) -> None:
         """Take a sample.
 
         Args:
-            stamp: [s] when the target was there, in the robot's time.
+            stamp: [s] when the target was there, in the robot's time; None: as the arrivals tell.
             position: as a reference position of the task.
             now: [s] time of the robot.
 
@@ -65,6 +67,8 @@ class TargetStream:
                 the sample before is refused; the stream goes on without it.
         """
         value = self.task.static_target(position).position
+        if stamp is None:
+            stamp = self._clock.stamp(now)
         self._check_stamp(stamp, now)
         parts = self._parts(value)
         if not self._estimators:
@@ -84,8 +88,8 @@ class TargetStream:
     def follow(self, time: float, period: float) -> Array:
         """Position (position_size,) of the filter at `time` [s], `period` [s] after the last one.
 
-        Critically damped towards a target that moves at its estimated velocity: the error
-        e = (e_0 + (e_0' + w e_0) t) exp(-w t), no lag at constant velocity.
+        Critically damped towards a target that moves at its estimated acceleration: the error
+        e = (e_0 + (e_0' + w e_0) t) exp(-w t), no lag at constant acceleration.
         """
         if not self._estimators:
             return np.concatenate([position for position, _ in self._followed])
@@ -96,10 +100,11 @@ class TargetStream:
             zip(self._estimators, self._rotations, strict=True)
         ):
             position, velocity = self._followed[i]
-            goal, rate = estimator.at(time)
-            before = moved(goal, -period * rate, rotation)
+            goal, rate, acceleration = estimator.at(time)
+            earlier = rate - period * acceleration
+            before = moved(goal, -0.5 * period * (rate + earlier), rotation)
             error = difference(position, before, rotation)
-            slope = (velocity - rate) + w * error
+            slope = (velocity - earlier) + w * error
             now = (error + slope * period) * rest
             change = slope * rest - w * now
             self._followed[i] = (moved(goal, now, rotation), rate + change)
