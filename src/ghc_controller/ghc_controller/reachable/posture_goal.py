@@ -18,6 +18,7 @@ _PATIENCE = 10  # plans at rest before a search
 _LONGEST = 200  # iterations from one posture
 _SPREAD = 1.0  # [rad], [m] of the postures tried, about the present one
 _SEED = 1
+_WIDER = 5.0  # [-] trust region of the search
 _SWITCH = 1e-8  # [-] a level within 0.14 mm has no second-order term
 
 
@@ -49,15 +50,11 @@ class PostureGoal:
         self._lower, self._upper = lower, upper
         self._still = np.zeros(model.nv)
         self.q, self.moved_over = q.copy(), False
-        self._solver = HierarchySolver(
-            model.nv,
-            KinematicSettings(trust_region=settings.trust_region, switch=_SWITCH, adapts=False),
-        )
-        self._other = HierarchySolver(
-            model.nv,
-            KinematicSettings(
-                trust_region=5.0 * settings.trust_region, switch=_SWITCH, adapts=False
-            ),
+        self._solver, self._other = (
+            HierarchySolver(
+                model.nv, KinematicSettings(trust_region=radius, switch=_SWITCH, adapts=False)
+            )
+            for radius in (settings.trust_region, _WIDER * settings.trust_region)
         )
         self._targets: dict[str, Array] = {}
         self._begin_search()

@@ -117,6 +117,11 @@ class ReachableReference:
         values = np.array(position, dtype=np.float64)
         self.streams[task].add(stamp, values, now)
 
+    def position_of(self, task: str, q: Array) -> Array:
+        """Reference position of a task at positions q (n,), (position_size,)."""
+        self._model.update(q, np.zeros(self._model.nv))
+        return self.streams[task].task.current(self._model).copy()
+
     def plan(self, state: RobotState) -> tuple[ReferenceTrajectory, ...]:
         """Trajectories from the end of the last plan on, empty where nothing moves.
 
@@ -180,10 +185,8 @@ class ReachableReference:
         assert self._motion is not None
         assert self._goal is not None
         tail = self._motion.tail(self._goal.q, self._rate, 2 * self._steps)
-        chosen = sorted(
-            {self._steps, 2 * self._steps, *range(2 * self._steps, len(tail), _TAIL_STEP)}
-        )
-        for k in [*(k for k in chosen if k < len(tail)), len(tail)]:
+        period = self._steps
+        for k in sorted({period, len(tail), *range(2 * period, len(tail), _TAIL_STEP)}):
             times.append(self._time + k * _MILLISECOND)
             rows.append(tail[k - 1])
 

@@ -22,7 +22,7 @@ class ReachableSettings:
     velocity_share: float = 0.8  # [-] of the robot's velocity limits
     position_margin: float = 0.02  # [rad], [m] kept from position limits; at most 5 % of a range
     smoothing: float = 0.12  # [s] window over which accelerations are averaged
-    bandwidth: float = 10.0  # [1/s] of the filter that follows the estimated target
+    bandwidth: float = 12.0  # [1/s] of the filter that follows the estimated target
     jitter: float = 0.005  # [s] standard deviation of stamps
     noise: float = 2e-4  # [m], [rad] standard deviation of positions
     jump: float = 0.05  # [m], [rad] a sample farther from its prediction, ...

@@ -33,12 +33,17 @@ def task_references(
             # rows ask for J x -> -damping J v - drift where the target is the position at rest
             drift = -rows.target - task.damping * velocity
             found.append((position, velocity, rows.jacobian @ a + drift))
-    return tuple(
-        ReferenceTrajectory.for_task(
-            task,
-            times - times[0],
-            *(np.array(column) for column in zip(*found, strict=True)),
-            start_time=float(times[0]),
+    references = []
+    for task, found in zip(tasks, points, strict=True):
+        position, velocity, acceleration = (np.array(c) for c in zip(*found, strict=True))
+        references.append(
+            ReferenceTrajectory.for_task(
+                task,
+                times - times[0],
+                position,
+                velocity,
+                acceleration,
+                start_time=float(times[0]),
+            )
         )
-        for task, found in zip(tasks, points, strict=True)
-    )
+    return tuple(references)
