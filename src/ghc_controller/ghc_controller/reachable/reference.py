@@ -17,12 +17,14 @@ from ghc_controller.reachable.task_points import task_references
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.robot.robot import Robot
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState
+from ghc_controller.types import Array, RobotState, TaskTarget
 
 _MILLISECOND = 1e-3  # [s] step of the joint motion
 _POINT_STEP = 5  # [ms] between points of a plan, ...
 _TAIL_STEP = 30  # ... and of the braking that ends it
 _MOST_PLANS = 20  # periods made up for after a gap of the clock
+_NEAR = 0.02  # [m], [rad] of the robot from the last reference, to go on from there
+_SILENT = 1.0  # [s] without a sample, at rest: the next one starts anew
 _AT_REST = 1e-9  # [rad/s], [rad/s^2]
 
 
@@ -38,6 +40,7 @@ class ReachableReference:
     Attributes:
         limits: of the joint motion.
         streams: by task.
+        joint_motion: (s, 3, n) q, v, a at every ms of the last plan; none where nothing was due.
     """
 
     def __init__(
@@ -79,8 +82,10 @@ class ReachableReference:
         """Forget samples and motion."""
         for stream in self.streams.values():
             stream.reset()
+        self.joint_motion = np.zeros((0, 3, self._model.nv))
         self._motion: JointMotion | None = None
         self._goal: PostureGoal | None = None
+        self._last: Array | None = None  # (n,) where a reference ended
         self._time = 0.0  # [s] of the output
         self._rests = False  # the last plan was at rest, and sent
 
@@ -135,8 +140,10 @@ class ReachableReference:
         if self._motion is None or self._goal is None or late:
             self._begin(state)
         times, rows = [self._time], [self.output]
+        made = [np.zeros((0, 3, self._model.nv))]
         while self._time < end - 0.5 * self.settings.period:
             motion = self._advance()
+            made.append(motion)
             for k in range(_POINT_STEP, self._steps + 1, _POINT_STEP):
                 times.append(self._time + k * _MILLISECOND)
                 rows.append(motion[k - 1])
@@ -144,18 +151,33 @@ class ReachableReference:
                 times.append(self._time + self._steps * _MILLISECOND)
                 rows.append(motion[-1])
             self._time += self._steps * _MILLISECOND
+        self.joint_motion = np.concatenate(made)
         if len(times) == 1:
             return ()
         at_rest = bool(np.abs(np.array(rows)[:, 1:]).max() < _AT_REST)
         if at_rest and self._rests:
+            self._sleep(state.time)
             return ()
         self._rests = at_rest
         self._add_tail(times, rows)
         return task_references(self._model, self._followed, np.array(times), np.array(rows))
 
+    def _sleep(self, now: float) -> None:
+        """Forget the targets once no samples come: others may move the robot from now on."""
+        if all(now - stream.time > _SILENT for stream in self.streams.values()):
+            self._last = self.output[0]
+            self._motion = self._goal = None
+            for stream in self.streams.values():
+                stream.reset()
+
     def _begin(self, state: RobotState) -> None:
-        """Start where the robot is, at rest."""
+        """Start at rest where the robot is, or where the last reference ended if that is near."""
         q = state.q
+        if self._last is not None and all(
+            self._distance(task, q, self._last) < _NEAR for task in self._targeted
+        ):
+            q = self._last
+        self._last = None
         limits = self.limits.containing(q)
         self._motion = JointMotion(self.limits, self.settings.smoothing, q)
         levels = [Level(task) for task in self._targeted]
@@ -165,6 +187,12 @@ class ReachableReference:
         self._model.update(q, np.zeros(self._model.nv))
         for task in self._targeted:
             self.streams[task.name].begin(task.current(self._model))
+
+    def _distance(self, task: Task, q: Array, other: Array) -> float:
+        target = TaskTarget(self.position_of(task.name, other), *np.zeros((2, task.size)))
+        self._model.update(q, np.zeros(self._model.nv))
+        rows = task.rows(self._model, RobotState(0.0, q, np.zeros(self._model.nv)), target)
+        return float(np.linalg.norm(rows.error))
 
     def _advance(self) -> Array:
         """(steps, 3, n) of the next period."""

@@ -47,6 +47,11 @@ class TargetStream:
         """True after the first sample."""
         return bool(self._estimators)
 
+    @property
+    def time(self) -> float:
+        """[s] of the last sample, -inf before the first one."""
+        return self._estimators[0].time if self._estimators else -math.inf
+
     def begin(self, position: Array) -> None:
         """Let the filter start at rest at a task value, (position_size,)."""
         self._followed = [

@@ -21,8 +21,8 @@ def check_kind(task: Follower) -> None:
     """Raises ConfigurationError for a task whose targets are neither points nor orientations."""
     if task.space is ReferenceSpace.VECTOR and not set(task.labels) <= set(_AXES):
         raise ConfigurationError(
-            f"tasks: '{task.name}' has the rows {', '.join(task.labels)}; a task of a position, an "
-            "orientation or a pose expected"
+            f"tasks: '{task.name}' has the rows {', '.join(task.labels)}; a task of a position, "
+            "an orientation or a pose expected"
         )
 
 

@@ -42,7 +42,7 @@ from ghc_controller.ros.reachable.messages import (
 from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node
-from ghc_controller.ros.wire.cdr import read_stamp
+from ghc_controller.ros.wire.cdr import BYTE_ORDER, read_stamp
 from ghc_controller.ros.wire.epoch import epoch_number
 from ghc_controller.ros.wire.joint_state import JointStateDecoder
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
@@ -115,11 +115,11 @@ class ReachableTargetsNode:
 
     def _on_state(self, data: bytes) -> None:
         try:
-            stamp_ns = read_stamp(data)
-            if self._now_ns <= stamp_ns < self._due_ns:
-                self._now_ns = stamp_ns
+            if data.startswith(BYTE_ORDER) and self._now_ns <= read_stamp(data) < self._due_ns:
+                self._now_ns = read_stamp(data)  # nothing is due: the rest is not looked at
                 return
             values = self._decoder.decode(data)
+            stamp_ns = values.stamp_ns
             epoch = epoch_number(values.frame_id)
             if epoch is None:
                 raise InvalidValue(f"joint_states.frame_id: '{values.frame_id}' is no epoch")
