@@ -16,7 +16,7 @@ from ghc_controller.types import Array, RobotState, TaskTarget
 Curve = Callable[[float], Array]  # time [s] -> position (3,) [m]
 
 START = 0.5  # [s] first sample
-_STANDS = 4.0  # [s] at the end of a random stream
+_STANDS = 7.0  # [s] at the end of a random stream
 _SPEED = 0.1  # [m/s] between jumps
 _RADIUS = 0.08  # [m]
 _OUT = 1.6  # [-] of the distance from the base: out of reach

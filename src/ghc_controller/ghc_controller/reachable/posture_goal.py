@@ -86,8 +86,7 @@ class PostureGoal:
     def _search(self, targets: Mapping[str, Array]) -> None:
         """Some iterations from another posture; its end is compared."""
         if self._candidate is None:
-            shift = self._random.normal(0.0, _SPREAD, len(self.q))
-            self._candidate = np.clip(self.q + shift, self._lower, self._upper)
+            self._candidate = self._other_posture()
             self._other.reset()
             self._iterations = 0
         step = np.inf
@@ -102,6 +101,13 @@ class PostureGoal:
                 self._solver.reset()
             self._candidate = None
             self._tried += 1
+
+    def _other_posture(self) -> Array:
+        """Near the present one and anywhere in turn."""
+        if self._tried % 2:
+            return self._random.uniform(self._lower, self._upper)
+        shift = self._random.normal(0.0, _SPREAD, len(self.q))
+        return np.clip(self.q + shift, self._lower, self._upper)
 
     def _is_better(self, errors: tuple[float, ...]) -> bool:
         for new, old in zip(errors, self.errors, strict=True):

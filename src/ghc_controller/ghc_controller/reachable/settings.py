@@ -31,7 +31,7 @@ class ReachableSettings:
     stale_after: float = 0.5  # [s] an older sample is rejected
     iterations: int = 4  # of the kinematic solver per plan
     trust_region: float = 0.02  # [rad], [m] per iteration
-    restarts: int = 12  # other postures from which a target that is not met is tried
+    restarts: int = 16  # other postures from which a target that is not met is tried
 
     def __post_init__(self) -> None:
         for field in ("period", "acceleration", "velocity_share", "smoothing", "bandwidth"):
