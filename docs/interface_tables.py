@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
 from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 
@@ -21,6 +22,7 @@ DOCUMENT = ROOT / "docs" / "interfaces.md"
 MESSAGES = ROOT / "src" / "ghc_msgs" / "msg"
 NODES: dict[str, type] = {
     "controller": ControllerParameters,
+    "reachable_targets": ReachableTargetsParameters,
     "sim_bridge": BridgeParameters,
     "recorder": RecorderParameters,
     "viewer": ViewerParameters,

@@ -105,7 +105,10 @@ class PostureGoal:
     def _other_posture(self) -> Array:
         """Near the present one and anywhere in turn."""
         if self._tried % 2:
-            return self._random.uniform(self._lower, self._upper)
+            lower = np.where(np.isfinite(self._lower), self._lower, self.q - np.pi)
+            return self._random.uniform(
+                lower, np.where(np.isfinite(self._upper), self._upper, lower + 2.0 * np.pi)
+            )
         shift = self._random.normal(0.0, _SPREAD, len(self.q))
         return np.clip(self.q + shift, self._lower, self._upper)
 
