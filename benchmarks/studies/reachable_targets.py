@@ -32,10 +32,10 @@ _CASES = {
     "panda": Case(STUDY_ROBOTS / "panda.yaml", STUDY_ROBOTS / "panda_scene.yaml", "end_effector"),
     "icub_upper_body": Case("icub_upper_body", "icub_upper_body", "hand"),
 }
-_RATES = (10.0, 20.0, 50.0, 100.0)  # [Hz]
-_LOOP_RATES = (10.0, 100.0)
+_RATES = (10.0, 100.0)  # [Hz]
+_LOOP_RATES = (20.0,)
 _OPERATOR_RATES = (20.0, 50.0, 100.0)
-_SEEDS = 3
+_SEEDS = 2
 _JUMPS = 3
 _LOSS = 0.1  # [-] of the random streams
 _IDEAL = Channel(100.0, 0.0, 0.0)

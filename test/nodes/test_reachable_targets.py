@@ -109,7 +109,7 @@ def test_a_stream_moves_the_robot_to_its_target(operator: Operator, start_node: 
     first = operator.references[0]
     assert len(first.points) >= 3
     assert all(len(point.velocity) == len(point.acceleration) == 3 for point in first.points)
-    assert "frame_id 'tool' given, 'world' or an empty one expected" in targets.output
+    assert "frame_id 'camera' given, 'world' or an empty one expected" in targets.output
     assert int(operator.diagnostics["rejected_targets/end_effector"]) >= 2
     bridge.send(signal.SIGINT)
     assert targets.stop() == 0
