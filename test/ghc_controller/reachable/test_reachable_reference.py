@@ -32,7 +32,9 @@ def _run(
     reference: ReachableReference, targets: list[tuple[float, Array]], end: float
 ) -> tuple[Array, list[ReferenceTrajectory]]:
     """(T, 3, n) joint motion and the trajectories of the first task."""
-    motion, sent, waiting = [], [], list(targets)
+    motion: list[Array] = []
+    sent: list[ReferenceTrajectory] = []
+    waiting = list(targets)
     for k in range(round(end / PLAN)):
         now = k * PLAN
         while waiting and waiting[0][0] <= now:
