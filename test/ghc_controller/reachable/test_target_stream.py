@@ -94,7 +94,7 @@ def test_a_steady_motion_is_predicted(rotation: bool) -> None:
     origin = rotation_exp(np.array([0.3, 0.2, -0.5])) if rotation else np.array([0.5, 0.1, 0.4])
     estimator = MotionEstimator(0.0, origin, rotation, ReachableSettings())
     for k in range(1, 100):
-        estimator.add(0.05 * k, moved(origin, 0.05 * k * rate, rotation))
+        estimator.add(0.05 * k, moved(origin, 0.05 * k * rate, rotation), 0.005)
     position, velocity, _ = estimator.at(5.05)
     assert (
         np.abs(difference(position, moved(origin, 5.05 * rate, rotation), rotation)).max() < 1e-3
@@ -105,7 +105,7 @@ def test_a_steady_motion_is_predicted(rotation: bool) -> None:
 def test_without_samples_the_target_returns_to_the_last_one() -> None:
     estimator = MotionEstimator(0.0, np.zeros(3), False, ReachableSettings())
     for k in range(1, 50):
-        estimator.add(0.02 * k, np.array([0.003 * k, 0.0, 0.0]))
+        estimator.add(0.02 * k, np.array([0.003 * k, 0.0, 0.0]), 0.005)
     position, velocity, acceleration = estimator.at(estimator.time + 2.0)
     assert np.array_equal(position, estimator.sample)
     assert not velocity.any()

@@ -29,6 +29,11 @@ class ArrivalClock:
         self._phase = self._last = -1.0  # [s] of the line, of the last stamp
         self._period = 0.0
 
+    @property
+    def has_line(self) -> bool:
+        """Whether stamps come from the line: not at first, and not where it cannot be drawn."""
+        return bool(self._count) and self._period > _CLEAR * self._jitter
+
     def stamp(self, arrival: float) -> float:
         """[s] for a sample that arrived at `arrival` [s]; grows from one to the next."""
         gap = arrival - self._phase

@@ -48,8 +48,8 @@ class MotionEstimator:
         predicted, _, _ = self._propagated(time - self.time)
         return difference(value, predicted, self._rotation)
 
-    def add(self, time: float, value: Array) -> None:
-        """Take a sample later than the last one."""
+    def add(self, time: float, value: Array, jitter: float) -> None:
+        """Take a sample later than the last one, its stamp with a deviation of `jitter` [s]."""
         dt = time - self.time
         self.interval = dt if self.interval is None else self.interval + 0.2 * (dt - self.interval)
         F, Q = _model(dt)
@@ -57,7 +57,7 @@ class MotionEstimator:
         self._P = F @ self._P @ F.T + Q
         error = difference(value, predicted, self._rotation)
         speed = float(np.linalg.norm(velocity))
-        noise = self._settings.noise**2 + (speed * self._settings.jitter) ** 2
+        noise = self._settings.noise**2 + (speed * jitter) ** 2
         gain = self._P[:, 0] / (self._P[0, 0] + noise)
         self._P -= np.outer(gain, self._P[0])
         self._P = 0.5 * (self._P + self._P.T)

@@ -15,6 +15,7 @@ from ghc_controller.references.follower import Follower, ReferenceSpace
 from ghc_controller.types import Array
 
 _AHEAD = 0.1  # [s] a stamp farther ahead of the robot's time belongs to another clock
+_RAW = 4.0  # [-] how much less raw arrival times are trusted: their errors come in a row
 _CONFIRMATIONS = 2  # further samples near a first one that is far away
 
 
@@ -72,8 +73,11 @@ class TargetStream:
                 the sample before is refused; the stream goes on without it.
         """
         value = self.task.static_target(position).position
+        jitter = self._settings.jitter
         if stamp is None:
             stamp = self._clock.stamp(now)
+            if not self._clock.has_line:
+                jitter *= _RAW
         self._check_stamp(stamp, now)
         parts = self._parts(value)
         if not self._estimators:
@@ -88,7 +92,7 @@ class TargetStream:
                 estimator.restart(stamp, part)
                 self.jumps += 1
             else:
-                estimator.add(stamp, part)
+                estimator.add(stamp, part, jitter)
 
     def follow(self, time: float, period: float) -> Array:
         """Position (position_size,) of the filter at `time` [s], `period` [s] after the last one.
