@@ -33,16 +33,10 @@ class Feeder:
     """Hands samples to a reference when they arrive."""
 
     def __init__(
-        self,
-        reference: ReachableReference,
-        task: str,
-        channel: Channel,
-        curve: Curve,
-        end: float,
-        seed: int,
-        stamped: bool,
+        self, case: Case, channel: Channel, curve: Curve, end: float, seed: int, stamped: bool
     ) -> None:
-        self.reference, self._task, self._stamped = reference, task, stamped
+        self.reference = ReachableReference(load_robot(case.robot), [case.task])
+        self._task, self._stamped = case.task, stamped
         self._samples = channel.samples(curve, end, seed)
         self._next = 0
         self.rejected = 0
@@ -62,15 +56,7 @@ def run_reference(
     case: Case, curve: Curve, end: float, channel: Channel, seed: int, q: Array
 ) -> tuple[Array, Feeder]:
     """(T, 3, n) q, v, a of the reference at every ms, and what fed it; stamped samples."""
-    feeder = Feeder(
-        ReachableReference(load_robot(case.robot), [case.task]),
-        case.task,
-        channel,
-        curve,
-        end,
-        seed,
-        True,
-    )
+    feeder = Feeder(case, channel, curve, end, seed, True)
     rows: list[Array] = []
     for k in range(round(end / DT / _PLAN)):
         now = k * _PLAN * DT
@@ -107,15 +93,7 @@ def run_loop(
     controller = Controller.for_robot(case.robot, Settings(formulation=formulation))
     simulator = Simulator(case.scene, control_dt=DT, joint_names=controller.model.joint_names)
     controller.start(simulator.state())
-    feeder = Feeder(
-        ReachableReference(load_robot(case.robot), [case.task]),
-        case.task,
-        channel,
-        curve,
-        end,
-        seed,
-        stamped,
-    )
+    feeder = Feeder(case, channel, curve, end, seed, stamped)
     index = controller.robot.task_names.index(case.task)
     errors, torques = [], []
     for k in range(round(end / DT)):
