@@ -207,10 +207,8 @@ def table(result: dict[str, Any]) -> str:
                 ],
                 [
                     [r["robot"], f"{r['rate']:g}"]
-                    + [
-                        shown(r[k], ".4f")
-                        for k in ("twin", "largest", "response", "excess", "still")
-                    ]
+                    + [shown(r[k], ".4f") for k in ("twin", "largest", "response", "excess")]
+                    + [shown(r["still"], ".1e")]
                     for r in found["loops"]
                 ],
             )
