@@ -41,7 +41,8 @@ run: setup ## one scenario: SCENARIO=name and the options below
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages "$(SCENARIO)"
 	@$(RUN) ghc_sim_bridge experiment --scenario "$(SCENARIO)" $(OPTIONS)
 
-paper: setup ## every experiment of paper and thesis, docs/results.md and docs/mpc_studies.md
+paper: setup ## every experiment of paper and thesis, docs/results.md, docs/mpc_studies.md and docs/gn_qn.md
+	@$(if $(ARGS),,$(MAKE) kinematics)
 	@$(RUN) ghc_sim_bridge paper $(ARGS)
 
 campaign: setup ## seeded disturbances of the humanoid's scenarios: how many runs stay up (long)

@@ -11,6 +11,7 @@ from enum import Enum
 from pathlib import Path
 
 from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.schema.declared import Entry, flat
 from ghc_controller.schema.domains import OneOf
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
@@ -21,6 +22,7 @@ DOCUMENT = ROOT / "docs" / "interfaces.md"
 MESSAGES = ROOT / "src" / "ghc_msgs" / "msg"
 NODES: dict[str, type] = {
     "controller": ControllerParameters,
+    "reachable_targets": ReachableTargetsParameters,
     "sim_bridge": BridgeParameters,
     "recorder": RecorderParameters,
     "viewer": ViewerParameters,

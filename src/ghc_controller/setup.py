@@ -21,6 +21,7 @@ setup(
     entry_points={
         "console_scripts": [
             "controller = ghc_controller.ros.controller_node:main",
+            "reachable_targets = ghc_controller.ros.reachable.node:main",
             "transition = ghc_controller.ros.transition:main",
             "new_robot = ghc_controller.robot.first_files.new_robot:main",
         ]

@@ -73,11 +73,12 @@ def test_topics_and_services_are_those_of_running_nodes(
     start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", "scene:=kuka_lwr_plane")
     mirror = ("-p", "mirror_commands:=true")
     start_node("ghc_controller", "controller", "--ros-args", "-p", "robot:=kuka_lwr", *mirror)
+    start_node("ghc_controller", "reachable_targets", "--ros-args", "-p", "robot:=kuka_lwr")
     for generator in ("contact_force_bounds", "obstacle_bounds"):
         start_node("ghc_mpc_constraints", generator)
     node = Node("reader", context=ros_context)
     topics = {
-        "/" + row[0].replace("<name>", "tool").lstrip("/"): (row[1], _qos(row[3]))
+        "/" + _named(row[0]).lstrip("/"): (row[1], _qos(row[3]))
         for row in rows("Topics")
         if row[0] != "odom"  # of a floating base only: see test_bridge_floating
     }
@@ -97,6 +98,10 @@ def test_topics_and_services_are_those_of_running_nodes(
     assert found == topics
     assert services <= offered
     assert {s for s in offered if "/_" not in s[0] and s[1].startswith("std_srvs")} == services
+
+
+def _named(topic: str) -> str:
+    return topic.replace("<name>", "tool").replace("<task>", "end_effector")
 
 
 def _qos(words: str) -> set[str]:

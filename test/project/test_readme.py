@@ -107,7 +107,8 @@ def test_runs_name_scenarios_and_formulations_that_exist() -> None:
 
 def test_nodes_by_hand_have_these_executables_and_parameters() -> None:
     starts = [shlex.split(c) for c in COMMANDS if c.startswith("python tools/ros2_run.py")]
-    assert [words[3] for words in starts] == ["sim_bridge", "controller", "transition"]
+    executables = ["sim_bridge", "controller", "transition", "reachable_targets"]
+    assert [words[3] for words in starts] == executables
     for _, _, package, executable, *arguments in starts:
         assert find_executable(package, executable).is_file()
         if executable == "transition":

@@ -1,0 +1,188 @@
+"""Target streams behind ROS topics: poses or points in, references that the robot can follow out.
+
+Publishes  ghc/task_reference (at `period` of the robot's time while the reference moves),
+           /diagnostics.
+Subscribes joint_states (time, epoch, and where the robot is at the start), targets/<task>
+           (PoseStamped), target_points/<task> (PointStamped; tasks of a position only).
+Parameters see ReachableTargetsParameters.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PointStamped, PoseStamped
+from ghc_msgs.msg import TaskReference
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+
+from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.reachable import ReachableReference
+from ghc_controller.references.follower import ReferenceSpace
+from ghc_controller.robot.library import load_robot
+from ghc_controller.ros.conversions.common import diagnostics_message
+from ghc_controller.ros.conversions.states import read_joint_state
+from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, RELIABLE_QOS, STREAM_QOS
+from ghc_controller.ros.reachable.messages import (
+    check_frame,
+    check_kind,
+    reference_message,
+    stamp_of,
+    target_of,
+)
+from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
+from ghc_controller.ros.rejections import Rejections
+from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.wire.cdr import BYTE_ORDER, read_stamp
+from ghc_controller.ros.wire.epoch import epoch_number
+from ghc_controller.ros.wire.joint_state import JointStateDecoder
+from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.types import NANOSECONDS, RobotState
+
+NODE_NAME = "reachable_targets"
+_DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+
+
+class ReachableTargetsNode:
+    """Wires topics to the library; no arithmetic here."""
+
+    def __init__(self, stop: Future) -> None:
+        """Read the parameters, load the robot, compile, listen.
+
+        Raises:
+            GhcError: a parameter, or a file that it names, cannot be used.
+        """
+        self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
+        self._parameters = p = read_parameters(self.node, ReachableTargetsParameters)
+        self.executor = p.executor
+        robot = load_robot(p.robot)
+        tasks = p.tasks or (robot.tasks[0].name,)
+        self._reference = ReachableReference(robot, tasks, p.settings(), p.posture)
+        for stream in self._reference.streams.values():
+            check_kind(stream.task)
+        self._warm_up(robot.model.nv)
+        self._reader = JointStateReader(robot.model.joint_names)
+        self._decoder = JointStateDecoder(read_joint_state)
+        self._rejections = Rejections()
+        self._period_ns = round(p.period * NANOSECONDS)
+        self._now_ns = -1  # of the last state
+        self._due_ns = 0  # of the next plan
+        self._epoch: int | None = None
+        self._samples = self._plans = 0
+        self._publish_and_listen(stop)
+        self.node.get_logger().info(f"{p.robot}: targets of {', '.join(tasks)}: ready")
+
+    def _publish_and_listen(self, stop: Future) -> None:
+        node = self.node
+        self._out = node.create_publisher(TaskReference, "ghc/task_reference", RELIABLE_QOS)
+        self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        node.create_subscription(
+            JointState,
+            "joint_states",
+            guarded(stop, self._on_state),
+            CONTROL_SUBSCRIBER_QOS,
+            raw=True,
+        )
+        for name, stream in self._reference.streams.items():
+            kinds: list[tuple[type, str]] = [(PoseStamped, f"targets/{name}")]
+            if stream.task.space is ReferenceSpace.VECTOR:
+                kinds.append((PointStamped, f"target_points/{name}"))
+            for kind, topic in kinds:
+                take = guarded(stop, partial(self._on_target, topic, name))
+                node.create_subscription(kind, topic, take, STREAM_QOS)
+        wall = RosClock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(_DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+
+    def _warm_up(self, n: int) -> None:
+        """Compile by following the present positions for two plans."""
+        state = RobotState(0.0, np.zeros(n), np.zeros(n))
+        reference = self._reference
+        for stream in reference.streams.values():
+            position = reference.position_of(stream.task.name, state.q)
+            reference.add(stream.task.name, position, 0.0)
+        for k in range(2):
+            reference.plan(RobotState(k * reference.settings.period, state.q, state.v))
+        reference.reset()
+
+    def _on_state(self, data: bytes) -> None:
+        try:
+            if data.startswith(BYTE_ORDER) and self._now_ns <= read_stamp(data) < self._due_ns:
+                self._now_ns = read_stamp(data)  # nothing is due: the rest is not looked at
+                return
+            values = self._decoder.decode(data)
+            stamp_ns = values.stamp_ns
+            epoch = epoch_number(values.frame_id)
+            if epoch is None:
+                raise InvalidValue(f"joint_states.frame_id: '{values.frame_id}' is no epoch")
+            state = self._reader.read(values, epoch, {})
+        except (InvalidValue, ValueError) as error:
+            self._reject("joint_states", str(error))
+            return
+        if epoch != self._epoch:
+            self._reference.reset()
+            self._epoch, self._now_ns, self._due_ns = epoch, -1, 0
+        if stamp_ns < self._now_ns:
+            self._reject("joint_states.stamp", "older than the last one, in the same epoch")
+            return
+        self._now_ns = stamp_ns
+        if stamp_ns < self._due_ns:
+            return
+        self._due_ns = stamp_ns - stamp_ns % self._period_ns + self._period_ns
+        for reference in self._reference.plan(state):
+            self._out.publish(reference_message(reference))
+            self._plans += 1
+
+    def _on_target(self, topic: str, name: str, message: PoseStamped | PointStamped) -> None:
+        if self._now_ns < 0:
+            self._reject(topic, "no joint_states came yet: the robot's time is not known")
+            return
+        stream = self._reference.streams[name]
+        now = self._now_ns / NANOSECONDS
+        try:
+            check_frame(message.header.frame_id, self._parameters.world_frame)
+            stamp = stamp_of(message) if self._parameters.stamps == "header" else None
+            self._reference.add(name, target_of(message, stream.task), now, stamp)
+            self._samples += 1
+        except GhcError as error:
+            self._reject(topic, str(error))
+
+    def _reject(self, field: str, reason: str) -> None:
+        if self._rejections.count(field, time.monotonic()):
+            self.node.get_logger().warning(f"{field}: {reason}")
+
+    def _publish_diagnostics(self) -> None:
+        rejected = {f"rejected_{field}": n for field, n in self._rejections.counts.items()}
+        reference = self._reference
+        values = {
+            "samples": self._samples,
+            "jumps": sum(stream.jumps for stream in reference.streams.values()),
+            "references": self._plans,
+            **rejected,
+        }
+        summary = "following" if reference.has_begun else "no target yet"
+        if self._now_ns < 0:
+            summary = "no joint_states"
+        self._diagnostics.publish(
+            diagnostics_message(max(self._now_ns, 0), NODE_NAME, summary, self._now_ns < 0, values)
+        )
+
+    def close(self) -> None:
+        """No resources to release."""
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    return run_node(NODE_NAME, ReachableTargetsNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
