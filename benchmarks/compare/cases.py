@@ -48,7 +48,7 @@ def _fencing(variant: str) -> Case:
 
 
 def _standing() -> Case:
-    run = partial(run_scenario, name="priority_humanoid", held=_FEET, hold=2.0, control_dt=2e-3)
+    run = partial(run_scenario, name="priority_humanoid", held=_FEET, hold=1.0, control_dt=2e-3)
     return Case("standing", "iCub standing, priorities change", "standing", "end", run)
 
 

@@ -19,8 +19,8 @@ from ghc_controller.formulations import SolutionStatus
 from ghc_controller.hierarchy.priorities import Candidate
 from ghc_controller.types import Array
 
-_STATES, _QUICK = 100, 4
-_RAMPS = 10  # states at which the first two tasks change places
+_STATES, _QUICK = 50, 4
+_RAMPS = 5  # states at which the first two tasks change places
 _FEET = 12  # accelerations that two soles keep at rest
 
 
