@@ -61,7 +61,7 @@ _PANELS: tuple[tuple[str, Value, float], ...] = (  # title, value, where an idea
     (f"error over that of {REFERENCE},\nfirst level that differs", deciding_ratio, 1.0),
     ("loss of a level to those below,\nbounds met", _of("strict_any", 1e-12), np.nan),
     ("largest of 100 steps of a ramp\nover its whole change", _of("ramp_step"), 0.01),
-    ("torque rate while orders change\n[Nm/s]", _of("torque_rate_changing", 1.0), np.nan),
+    ("torque rate while orders change\n[Nm/s]", _of("torque_rate_changing", 1e-2), np.nan),
     ("QPs per step\n(0 drawn at 0.01)", _of("qps", 0.01), np.nan),
     ("operations per step", _of("operations"), np.nan),
 )
