@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench study kinematics faults soak paper campaign test-long lint format lock clean distclean
+.PHONY: help setup demo run test bench study compare kinematics faults soak paper campaign test-long lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
@@ -54,6 +54,9 @@ bench: setup ## time per control step and per plan, round trips per second
 
 study: setup ## problem sets that test the formulations: ARGS="names --quick --formulation ghc"
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/study.py $(ARGS)
+
+compare: setup ## every formulation on every case, docs/comparison.md: CLUSTER=tcp://... ARGS="--formulation cascade"
+	@$(WORKSPACE) && exec .venv/bin/python benchmarks/compare/run.py $(if $(CLUSTER),--cluster "$(CLUSTER)") $(ARGS)
 
 kinematics: setup ## T1 to T20 of gn_qn_2018, docs/gn_qn.md: ARGS="4 5 20 --variant gn_qn"
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/kinematics/run.py $(ARGS)

@@ -21,3 +21,10 @@ def install_study_model(package: str) -> None:
     """As install_model, for packages that only studies use: from a lock of their own."""
     layout = Layout(ROOT)
     install_missing(package, layout, layout.study_models_lock(sys.version_info[:2]))
+
+
+def install_cluster() -> None:
+    """Install dask.distributed, with which `make compare` runs on other machines."""
+    layout = Layout(ROOT)
+    lock = layout.cluster_lock(sys.version_info[:2])
+    install_missing("distributed", layout, lock, "runs on other machines")

@@ -26,13 +26,13 @@ CASE_HEAD = (
 )
 RANDOM_HEAD = ("jump at the ends of a swap", "step of a swap", "step of a removal")
 _ORDER = ("rhp_hqp", "hqp_transition", "hqp", "cascade", "ghc")
-_PAPER_1 = {"rhp_hqp": "0.34", "hqp": "0.34", "ghc": "12.7"}  # [mm]
-_PAPER_2 = {  # [m] as printed, and the integral
+PAPER_1 = {"rhp_hqp": "0.34", "hqp": "0.34", "ghc": "12.7"}  # [mm]
+PAPER_2 = {  # [m] as printed, and the integral
     "rhp_hqp": ("0.17", "0.32"),
     "hqp_transition": ("0.21", "0.42"),
     "ghc": ("0.21", "0.58"),
 }
-_PAPER_3 = {  # [ms] average without and during a transition
+PAPER_3 = {  # [ms] average without and during a transition
     "rhp_hqp": (0.059, 0.061),
     "hqp_transition": (0.063, 0.098),
     "ghc": (0.060, 0.061),
@@ -71,7 +71,7 @@ def _of(result: Result, name: str, w: str, case: str, key: str) -> Any:
 
 def _case_1(result: Result) -> str:
     rows = [
-        [name, _PAPER_1.get(name, "-")]
+        [name, PAPER_1.get(name, "-")]
         + [
             _short(_of(result, name, w, "constant", key))
             for key in ("max_mm", "turn_max_rad")
@@ -94,7 +94,7 @@ def _case_2(result: Result) -> str:
                 for key in ("max_mm", "integral_mm_s")
             ]
             gaps = [_short(_of(result, name, w, case, "gap_mm")) for case in ("distance", "ramp")]
-            rows.append([name, w, *_PAPER_2.get(name, ("-", "-")), *cells, *gaps])
+            rows.append([name, w, *PAPER_2.get(name, ("-", "-")), *cells, *gaps])
     head = ["formulation", "w", "paper, max [m]", "paper, integral"]
     for case in ("by distance", "timed"):
         head += [f"{case}, max [m]", f"{case}, integral [m s]"]
@@ -107,8 +107,8 @@ def _times(result: Result) -> str:
     w = _weights(result)[0]
     for name in _names(result):
         paper = ["-", "-", "-"]
-        if name in _PAPER_3:
-            one, mixed = _PAPER_3[name]
+        if name in PAPER_3:
+            one, mixed = PAPER_3[name]
             paper = [f"{one:.3f}", f"{mixed:.3f}", f"{mixed / one:.2f}"]
         cpu = [_of(result, name, w, "distance", f"cpu_{kind}_us") for kind in ("one", "mixed")]
         qps = [_of(result, name, w, "distance", f"qps_{kind}") for kind in ("one", "mixed")]

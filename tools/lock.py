@@ -1,7 +1,8 @@
 """Write the lock files: `make lock`, or `make lock UPGRADE=1` for newer versions.
 
 Every lock is made by the pinned uv and holds hashes. The ones without ROS are the same versions as
-the full ones, less what ROS 2 needs; those of the robot models hold what comes on top.
+the full ones, less what ROS 2 needs; those of the robot models and of
+the cluster hold what comes on top.
 """
 
 from __future__ import annotations
@@ -39,6 +40,8 @@ def main() -> int:
         jobs.append((layout.models_lock(version), [*python, *upgrade, *same, *models]))
         study = ["requirements/study-models.in"]
         jobs.append((layout.study_models_lock(version), [*python, *upgrade, *same, *study]))
+        cluster = ["requirements/cluster.in"]
+        jobs.append((layout.cluster_lock(version), [*python, *upgrade, *same, *cluster]))
     for target, arguments in jobs:
         name = str(target.relative_to(root))
         print(f"lock: {name}", flush=True)

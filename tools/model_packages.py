@@ -19,11 +19,14 @@ from tools.workspace.layout import Layout, Way
 from tools.workspace.run import Runner
 
 
-def install_missing(package: str, layout: Layout, lock: Path | None = None) -> None:
+def install_missing(
+    package: str, layout: Layout, lock: Path | None = None, purpose: str = "the model of a robot"
+) -> None:
     """Install a lock unless `package` is there; SetupError when that fails.
 
     Args:
         lock: that of the robot models when not given.
+        purpose: what it is for, in messages.
     """
     try:
         distribution(package)
@@ -32,7 +35,7 @@ def install_missing(package: str, layout: Layout, lock: Path | None = None) -> N
         pass
     lock = lock or layout.models_lock(sys.version_info[:2])
     print(
-        f"set-up: installing {lock.relative_to(layout.root)} (for the model of a robot)",
+        f"set-up: installing {lock.relative_to(layout.root)} (for {purpose})",
         file=sys.stderr,
         flush=True,
     )
@@ -42,7 +45,7 @@ def install_missing(package: str, layout: Layout, lock: Path | None = None) -> N
     run(
         [str(layout.venv / "bin" / "uv"), "pip", "install", "--require-hashes", "-r", str(lock)],
         {**environment, **uv_settings(pip_config, environment)},
-        f"the package '{package}' with the model of a robot could not be installed",
+        f"the package '{package}' (for {purpose}) could not be installed",
     )
     importlib.invalidate_caches()
 

@@ -10,7 +10,11 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize(
-    "name", ["lock-py3.11", "lock-py3.12", "lock-noros-py3.12", "uv", "study-models-py3.11"]
+    "name",
+    [
+        *("lock-py3.11", "lock-py3.12", "lock-noros-py3.12", "uv"),
+        *("study-models-py3.11", "cluster-py3.11", "cluster-py3.12"),
+    ],
 )
 def test_every_locked_package_has_a_hash(name: str) -> None:
     text = (ROOT / "requirements" / f"{name}.txt").read_text(encoding="utf-8")

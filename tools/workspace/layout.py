@@ -63,6 +63,10 @@ class Layout:
         """The lock file of the robot models that only studies use."""
         return self.root / "requirements" / f"study-models-py{version[0]}.{version[1]}.txt"
 
+    def cluster_lock(self, version: tuple[int, ...]) -> Path:
+        """The lock file of what `make compare` needs for other machines."""
+        return self.root / "requirements" / f"cluster-py{version[0]}.{version[1]}.txt"
+
     def python_packages(self) -> list[Path]:
         """The packages of src/ that are plain Python (ament_python)."""
         return sorted(path.parent for path in self.source.glob("*/setup.py"))

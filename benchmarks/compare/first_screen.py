@@ -1,0 +1,117 @@
+"""What stands first on the page: the cases in which `cascade` is not ahead, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from benchmarks.compare.case import Case
+from benchmarks.compare.cases import CASES
+from benchmarks.compare.method import REFERENCE
+from benchmarks.compare.store import Results
+from benchmarks.compare.verdict import Loss, Verdict, judge
+from ghc_sim_bridge.programs.markdown import number, table
+
+_QP_PER_LEVEL = ("hqp", "rhp_hqp", "hqp_transition")
+_NAMES = ", ".join(f"`{name}`" for name in _QP_PER_LEVEL)
+
+
+class Judged(NamedTuple):
+    """The verdicts of one case by method."""
+
+    case: Case
+    verdicts: dict[str, Verdict]
+
+
+def judged(results: Results) -> Iterator[Judged]:
+    """Verdicts of every case that the reference has a result of."""
+    for name, by_method in results.items():
+        if REFERENCE not in by_method:
+            continue
+        case = CASES[name]
+        found = {
+            method: verdict
+            for method, result in by_method.items()
+            if method != REFERENCE
+            and (verdict := judge(case, by_method[REFERENCE], result)) is not None
+        }
+        if found:
+            yield Judged(case, found)
+
+
+def first_screen(results: Results) -> str:
+    """A sentence with counts, then the table of exceptions."""
+    cases = list(judged(results))
+    accurate = [each for each in cases if not any(v.plain for v in each.verdicts.values())]
+    cheap = [each for each in cases if not any(v.more_qps for v in each.verdicts.values())]
+    pairs = [verdict for each in cases for verdict in each.verdicts.values()]
+    good = sum(not verdict.plain for verdict in pairs)
+    fewer = sum(not verdict.more_qps for verdict in pairs)
+    levels = [
+        verdict
+        for each in cases
+        for method, verdict in each.verdicts.items()
+        if method in _QP_PER_LEVEL
+    ]
+    fewer_there = sum(not verdict.more_qps for verdict in levels)
+    lines = [
+        [each.case.title, _less_accurate(each), _more_qps(each)]
+        for each in cases
+        if each not in accurate or each not in cheap
+    ]
+    head = [
+        "case",
+        f"less accurate than (task, phase/level: `{REFERENCE}` / other)",
+        "more QPs than (per step)",
+    ]
+    return (
+        f"`{REFERENCE}` is at least as accurate as the other formulation in {good} of "
+        f"{len(pairs)} pairs of case and formulation, level by level, and solves no more QPs in "
+        f"{fewer}. It is so against every other one in {len(accurate)} and {len(cheap)} of "
+        f"{len(cases)} cases. Against formulations with a QP per level ({_NAMES}) it solves no "
+        f"more in {fewer_there} of {len(levels)} pairs; the others solve at most one per step, "
+        f"whatever they reach with it. The exceptions:\n\n{table(head, lines)}"
+    )
+
+
+def _less_accurate(each: Judged) -> str:
+    """The worst task for each method; methods with the same figures together."""
+    found: dict[str, list[str]] = {}
+    for method, verdict in each.verdicts.items():
+        if verdict.plain:
+            found.setdefault(_shown(worst(verdict.plain)), []).append(method)
+    return "; ".join(f"{', '.join(names)} ({text})" for text, names in found.items()) or "–"
+
+
+def _more_qps(each: Judged) -> str:
+    """Methods by their QPs; the reference has the same number in each."""
+    found: dict[str, list[str]] = {}
+    own = ""
+    for method, verdict in each.verdicts.items():
+        if verdict.more_qps:
+            own = number(verdict.qps)
+            found.setdefault(number(verdict.other_qps), []).append(method)
+    text = "; ".join(f"{', '.join(names)} ({qps})" for qps, names in found.items())
+    return f"{own} against {text}" if text else "–"
+
+
+def worst(losses: tuple[Loss, ...]) -> Loss:
+    """The loss of largest ratio."""
+    return max(losses, key=lambda loss: loss.error / max(loss.other, 1e-5))
+
+
+def _shown(loss: Loss) -> str:
+    values = f"{number(loss.error, 3)} / {number(loss.other, 3)}"
+    return f"{loss.task}, {loss.phase}/{loss.level}: {values}"
+
+
+def given_up(results: Results) -> str:
+    """Tasks of a lower level on which another method is ahead after it lost a level above."""
+    lines = []
+    for each in judged(results):
+        for method, verdict in each.verdicts.items():
+            losses = tuple(loss for loss in verdict.losses if loss.given_up)
+            if losses:
+                lines.append([each.case.title, method, str(len(losses)), _shown(worst(losses))])
+    head = ["case", "formulation", "tasks", f"the largest (`{REFERENCE}` / other)"]
+    return table(head, lines)

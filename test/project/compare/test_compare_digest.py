@@ -1,0 +1,57 @@
+"""A digest follows the imports of case and formulation, and nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.compare import digest as module
+from benchmarks.compare.digest import digest, sources_of
+from benchmarks.compare.jobs import Job, all_jobs, job_digest
+
+FORMULATIONS = "ghc_controller.formulations"
+CASE = "benchmarks.compare.scenario_loop"
+
+
+def files(*modules: str) -> set[str]:
+    """Paths below the package, such as formulations/hqp.py."""
+    return {"/".join(path.parts[-2:]) for path in sources_of(modules)}
+
+
+def test_a_formulation_depends_on_those_that_it_imports_alone() -> None:
+    ghc = files(CASE, f"{FORMULATIONS}.ghc")
+    assert {"formulations/ghc.py", "compare/closed_loop.py", "simulation/simulator.py"} <= ghc
+    assert not {"formulations/balanced.py", "cascade/cascade.py", "formulations/hqp.py"} & ghc
+    blend = files(CASE, f"{FORMULATIONS}.hqp_transition")
+    assert {"formulations/hqp.py", "cascade/blend.py"} <= blend
+    assert "compare/page.py" not in ghc | blend
+
+
+def test_a_change_of_a_source_changes_the_digest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "one.py").write_text("from benchmarks import two\n", encoding="utf-8")
+    (tmp_path / "two.py").write_text("x = 1\n", encoding="utf-8")
+    monkeypatch.setitem(module._ROOTS, "benchmarks", tmp_path)
+    found = []
+    for text in ("x = 1\n", "x = 2\n"):
+        (tmp_path / "two.py").write_text(text, encoding="utf-8")
+        module._file_of.cache_clear()
+        module._imports.cache_clear()
+        found.append(digest(["benchmarks.one"]))
+    module._file_of.cache_clear()
+    module._imports.cache_clear()
+    assert found[0] != found[1]
+
+
+def test_digests_differ_between_methods_and_numbers_of_a_case() -> None:
+    jobs = [
+        Job("fencing_near", "task_priority"),
+        Job("fencing_near", "task_priority_undamped"),
+        Job("fencing_far", "task_priority"),
+        Job("upper_body_ramp_w0.01", "ghc"),
+        Job("upper_body_ramp_w0.0001", "ghc"),
+    ]
+    assert len({job_digest(job) for job in jobs}) == len(jobs)
+    assert len(set(all_jobs())) == len(list(all_jobs()))
