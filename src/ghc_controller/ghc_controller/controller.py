@@ -123,7 +123,7 @@ class Controller:
         self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
-        self.formulation.solver.reset()
+        self.formulation.reset()
         self._time = 0.0
         self._applied = None
         self._last = None

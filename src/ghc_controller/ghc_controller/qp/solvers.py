@@ -17,7 +17,9 @@ def _proxqp(settings: SolverSettings) -> QpSolver:
 
 
 def _daqp(settings: SolverSettings) -> QpSolver:
-    return Fallback(DaqpSolver(settings), DualSolver(settings), settings)
+    solver = Fallback(DaqpSolver(settings), DualSolver(settings), settings)
+    solver.lets_core_solve = True
+    return solver
 
 
 # daqp comes first: on the whitened problems of this stack it takes a tenth of ProxQP's time, is

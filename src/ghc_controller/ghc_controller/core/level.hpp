@@ -1,0 +1,56 @@
+// One level of the cascade without bounds: min |J (y + P u) - b|^2 + w |u|^2 over u.
+//
+// With A = J P and S S^T = A A^T + w I its optimum is c = y + P A^T S^-T S^-1 (b - J y). The QP of
+// a level that meets a bound has variables s with x = c + P F s and cost 1/2 |s|^2, where
+// F F^T = (A^T A + w I)^-1: F = w^-1/2 (I - A^T K A), K = S^-T (S + sqrt(w) I)^-1, from the factor
+// that c needs anyway (docs/architecture.md, "The core").
+#pragma once
+
+#include <Eigen/Cholesky>
+
+#include "matrix.hpp"
+#include "null_space.hpp"
+
+namespace ghc {
+
+// Damping of a level of rows J (m, d), of what the levels above leave, A = J P, and r = b - J y:
+// w (1 - kept (1 - s)) + (1 - kept) min(|r|^2 / (2 a)^2, 4 w), kept = |A|^2 / |J|^2,
+// s = min(1, |J| / sqrt(m)). A task of short rows keeps its gains as far as it keeps its
+// directions; along a direction that is being lost no level asks for more than |r| / (2 sqrt(w)).
+double level_damping(const Eigen::Ref<const Matrix>& jacobian, const Eigen::Ref<const Matrix>& rows,
+                     const Eigen::Ref<const Vector>& residual, double w);
+
+class Level {
+ public:
+  // Optimum of rows `jacobian` (m, d) and `target` (m,) from y (d,) on in a null space.
+  void solve(const Eigen::Ref<const Matrix>& jacobian, const Eigen::Ref<const Vector>& target,
+             const Eigen::Ref<const Vector>& y, const NullSpace& above, double w);
+
+  const Vector& optimum() const { return optimum_; }  // c (d,)
+  const Matrix& rows() const { return rows_; }        // A (m, d)
+  double damping() const { return damping_; }         // w of this level
+
+  // out (d,) = e P F of a row e (d,) on accelerations: the same row on s.
+  template <typename Out>
+  void whiten(const Eigen::Ref<const RowVector>& e, const NullSpace& above,
+              Eigen::MatrixBase<Out>&& out) {
+    above.project(e, out.derived().row(0));
+    weights_.noalias() = rows_ * out.transpose();
+    times_k();
+    out.noalias() -= weights_.transpose() * rows_;
+    out /= root_;
+  }
+
+  // out (d,) = P F s, the step of accelerations of s (d,).
+  void step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vector& out);
+
+ private:
+  void times_k();            // weights K in place, as a row
+  void k_times();            // K weights in place, as a column
+
+  Matrix rows_, factor_, shifted_;  // A, S and S + sqrt(w) I, lower triangles
+  Vector optimum_, residual_, weights_, whitened_;
+  double damping_ = 0.0, root_ = 1.0;
+};
+
+}  // namespace ghc
