@@ -6,7 +6,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from build_core import CORE, BuildCore  # noqa: E402 (beside this file)
+from build_core import CORE, BuildCore
 
 package_name = "ghc_controller"
 

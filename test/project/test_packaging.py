@@ -21,12 +21,14 @@ TICKS = 12
 
 # README's library example, without the simulator: the arm stands still.
 _EXAMPLE = f"""
-import json, sys
+import json, os, sys
 sys.modules["rclpy"] = None  # importing it fails
 sys.path[:0] = sys.argv[1:]
 import numpy as np
 import ghc_controller as ghc
 
+if os.environ.get("NUMBA_DISABLE_JIT"):
+    ghc.Controller.warm_up = lambda self: None  # there is nothing to compile
 controller = ghc.Controller(ghc.load_robot("kuka_lwr"))
 q, v = np.array({START}), np.zeros(7)
 controller.start(ghc.RobotState(0.0, q, v))
@@ -98,7 +100,9 @@ def test_an_empty_environment_gets_all_that_the_library_needs(tmp_path: Path) ->
         and not name.startswith("_ROS_")
     }
     lock = ROOT / "requirements" / f"lock-noros-py3.{sys.version_info.minor}.txt"
-    pins = [line.split()[0] for line in lock.read_text(encoding="utf-8").splitlines() if "==" in line]
+    pins = [
+        line.split()[0] for line in lock.read_text(encoding="utf-8").splitlines() if "==" in line
+    ]
     constraints = tmp_path / "constraints.txt"
     constraints.write_text("\n".join(pins) + "\n", encoding="utf-8")
     for command in (

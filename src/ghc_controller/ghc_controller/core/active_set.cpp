@@ -10,6 +10,7 @@ namespace {
 constexpr double kMet = 1e-9;         // [-] a row violated by less, over its length, is met
 constexpr double kFeasible = 5e-8;    // [rad/s^2], [Nm], [N] of an answer
 constexpr double kDependent = 1e-11;  // [-] length of what is left of a row on the active ones
+constexpr double kCancelled = 0.1;    // [-] square of what a pass leaves, below it another follows
 constexpr double kNoLength = 1e-9;    // [-] of a row that no s moves
 constexpr double kStationary = 1e-7;  // [-] of s - N^T lambda, over 1 + |s|
 constexpr double kWrongSign = 1e-9;   // [-] of the largest multiplier
@@ -97,12 +98,15 @@ void ActiveSet::split_candidate() {
   const auto basis = basis_.topRows(size_);
   rest_ = candidate_;
   share_.head(size_).setZero();
-  for (int pass = 0; pass < 2; ++pass) {  // the second one takes what rounding left
+  double before = 1.0;
+  for (int pass = 0; pass < 2; ++pass) {
     direction_.head(size_).noalias() = basis * rest_.transpose();
     rest_.noalias() -= direction_.head(size_).transpose() * basis;
     share_.head(size_) += direction_.head(size_);
+    free_ = rest_.squaredNorm();
+    if (free_ > kCancelled * before) break;  // else rounding is no small part of the rest
+    before = free_;
   }
-  free_ = rest_.squaredNorm();
   auto direction = direction_.head(size_);
   direction = share_.head(size_);
   triangle_.topLeftCorner(size_, size_).triangularView<Eigen::Upper>().solveInPlace(direction);

@@ -35,7 +35,12 @@ Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, con
   for (Index l = 0; l < levels; ++l) {
     const Index begin = l ? ends_[l - 1] : 0, size = ends_[l] - begin;
     const auto rows = jacobian_.middleRows(begin, size);
-    level_.solve(rows, target_.segment(begin, size), y_, above_, damping.regularization);
+    const auto target_of_level = target_.segment(begin, size);
+    if (above_.used() < d && rows.isIdentity(0.0)) {
+      level_.solve_identity(target_of_level, y_, above_, damping.regularization);
+    } else {
+      level_.solve(rows, target_of_level, y_, above_, damping.regularization);
+    }
     bounds_.evaluate(level_.optimum(), Vector(), 1.0);
     if (bounds_.inside()) {
       y_ = level_.optimum();

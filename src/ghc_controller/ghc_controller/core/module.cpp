@@ -16,11 +16,16 @@ using Array1 = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::
 using Array2 = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using NewArray = nb::ndarray<double, nb::numpy, nb::c_contig>;
 
+// None stands for an array without entries.
 ghc::ConstMatrix matrix(const Array2& a) {
+  if (!a.is_valid()) return {nullptr, 0, 0};
   return {a.data(), static_cast<ghc::Index>(a.shape(0)), static_cast<ghc::Index>(a.shape(1))};
 }
 
-ghc::ConstVector vector(const Array1& a) { return {a.data(), static_cast<ghc::Index>(a.size())}; }
+ghc::ConstVector vector(const Array1& a) {
+  if (!a.is_valid()) return {nullptr, 0};
+  return {a.data(), static_cast<ghc::Index>(a.size())};
+}
 
 // A new NumPy array: what it holds outlives the workspace.
 template <typename Values>
@@ -53,10 +58,11 @@ void check_sizes(const ghc::Terms& t, ghc::Index m, ghc::Index targets, ghc::Ind
                                            t.offset.size() == n,
         "basis (n, d) and offset (n,) do not fit the box on accelerations");
   check(t.torque_matrix.rows() == a && t.torque_matrix.cols() == d &&
-            t.torque_offset.size() == a && t.torque_force.rows() == a &&
-            t.torque_force.cols() == c,
+            t.torque_offset.size() == a &&
+            (c == 0 || (t.torque_force.rows() == a && t.torque_force.cols() == c)),
         "torque terms (a, d), (a,) and (a, c) expected");
-  check(t.gain.rows() == c && t.gain.cols() == u && t.free.rows() == c,
+  check((u == 0 || (t.gain.rows() == c && t.gain.cols() == u)) &&
+            (t.free.cols() == 0 || t.free.rows() == c),
         "force terms (c, u) and (c, q) expected");
   if (u) {
     check(t.balance_matrix.rows() == u && t.balance_matrix.cols() == d &&
@@ -128,11 +134,19 @@ NB_MODULE(native, m) {
       .def("projector", [](const ghc::NullSpace& self) { return array(self.projector()); });
   nb::class_<ghc::Cascade>(m, "Cascade")
       .def(nb::init<std::vector<std::int64_t>, std::vector<std::int64_t>>())
-      .def("solve", &solve)
+      .def("solve", &solve, "jacobian"_a, "target"_a, "y"_a, "basis"_a.none(), "offset"_a.none(),
+           "torque_matrix"_a, "torque_offset"_a, "torque_force"_a.none(), "center"_a.none(),
+           "gain"_a.none(), "free"_a.none(), "residual"_a.none(), "balance_matrix"_a.none(),
+           "balance_force"_a.none(), "general"_a.none(), "force_matrix"_a.none(), "x_lower"_a,
+           "x_upper"_a, "tau_lower"_a, "tau_upper"_a, "general_lower"_a.none(),
+           "general_upper"_a.none(), "force_lower"_a.none(), "force_upper"_a.none(), "w"_a, "e"_a,
+           "bounded"_a, "of_qp"_a, "of_order"_a)
       .def("forget", &ghc::Cascade::forget);
   m.def("level_optimum", &level_optimum);
   m.def("level_damping", [](const Array2& jacobian, const Array2& rows, const Array1& residual,
                             double w) {
-    return ghc::level_damping(matrix(jacobian), matrix(rows), vector(residual), w);
+    return ghc::level_damping(static_cast<ghc::Index>(jacobian.shape(0)),
+                              matrix(jacobian).squaredNorm(), matrix(rows).squaredNorm(),
+                              vector(residual).squaredNorm(), w);
   });
 }

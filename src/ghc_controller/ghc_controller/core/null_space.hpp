@@ -29,6 +29,8 @@ class NullSpace {
   // P (d, d).
   Matrix projector() const;
 
+  auto basis() const { return basis_.topRows(used_); }  // V (used, d)
+  Index used() const { return used_; }
   Index left() const { return basis_.rows() - used_; }  // rows that can still be appended
   Index dimension() const { return basis_.cols(); }
 
