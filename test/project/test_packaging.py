@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -44,6 +46,35 @@ print(json.dumps({{
 """
 
 
+_DISTRIBUTIONS = {"pinocchio": "pin", "yaml": "pyyaml"}  # where the name is not the module's
+
+
+def _imported(path: Path) -> set[str]:
+    """Top-level modules that a file imports."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add(str(node.module).partition(".")[0])
+    return found
+
+
+def test_the_metadata_asks_for_all_that_the_library_imports() -> None:
+    """Not for what ros/ imports, which comes with ROS, nor for what nothing imports."""
+    library = PACKAGE / "ghc_controller"
+    modules = [
+        path for path in library.rglob("*.py") if "ros" not in path.parts[len(library.parts) :]
+    ]
+    imported = set().union(*map(_imported, modules)) - {*sys.stdlib_module_names, library.name}
+    asked = re.search(
+        r"install_requires=(\[.*?\])", (PACKAGE / "setup.py").read_text("utf-8"), re.S
+    )
+    assert asked is not None
+    needed = {_DISTRIBUTIONS.get(name, name) for name in imported}
+    assert needed | {"scipy"} == set(ast.literal_eval(asked[1]))  # numba's linear algebra: scipy
+
+
 def _copy(folder: Path) -> Path:
     """The package as a clone holds it: nothing that was built."""
     ignored = shutil.ignore_patterns("build", "*.so", "*.egg-info", "__pycache__")
@@ -67,7 +98,8 @@ def _check(run: subprocess.CompletedProcess[str], installed: Path) -> None:
         assert np.abs(wanted - torque).max() < 1e-9
 
 
-@pytest.mark.timeout(900)
+@pytest.mark.long
+@pytest.mark.timeout(1800)
 def test_a_wheel_is_built_and_answers_without_the_sources(tmp_path: Path) -> None:
     """Without an index: the packages are those of this environment. No file of src/ is used."""
     target = tmp_path / "installed"
