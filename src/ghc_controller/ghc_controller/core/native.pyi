@@ -25,44 +25,14 @@ class Cascade:
         """Rows (m,) of the augmented Jacobian in the order of the levels; l ends at ends[l]."""
 
     def solve(
-        self,
-        jacobian: Array,
-        target: Array,
-        y: Array,
-        basis: Array | None,
-        offset: Array | None,
-        torque_matrix: Array,
-        torque_offset: Array,
-        torque_force: Array | None,
-        center: Array | None,
-        gain: Array | None,
-        free: Array | None,
-        residual: Array | None,
-        balance_matrix: Array | None,
-        balance_force: Array | None,
-        general: Array | None,
-        force_matrix: Array | None,
-        x_lower: Array,
-        x_upper: Array,
-        tau_lower: Array,
-        tau_upper: Array,
-        general_lower: Array | None,
-        general_upper: Array | None,
-        force_lower: Array | None,
-        force_upper: Array | None,
-        w: float,
-        e: float,
-        bounded: bool,
-        of_qp: int,
-        of_order: int,
+        self, *terms: Array | float | None
     ) -> tuple[int, int, int, float, Array, Array, Array]:
-        """Answer levels from y (d,) on, as ReducedProblem and ForceCenter name the terms.
-
-        None stands for an array without entries, and as `basis` for the identity.
+        """Answer levels from y (d,) on; None stands for an array without entries.
 
         Args:
-            bounded: False: a level that meets a bound is left to the caller.
-            of_qp, of_order: most pivots of a level, and of all.
+            terms: jacobian (m, d), target (m,), y (d,), then what `core_terms` of the cascade
+                lists, then w, e, whether levels that meet a bound are solved too (else they are
+                left to the caller), and the most pivots of a level and of all.
 
         Returns:
             Levels that have an answer, pivots, levels that met a bound, largest violation, and of
