@@ -85,6 +85,7 @@ lock: setup ## write the hash-pinned locks anew (UPGRADE=1: newer versions)
 	@$(STARTER) -B -m tools.lock $(if $(filter-out 0,$(UPGRADE)),--upgrade)
 
 clean: ## remove what was built and the results; .venv stays
+	rm -f src/ghc_controller/ghc_controller/core/native*.so
 	rm -rf build install log results .pytest_cache .mypy_cache .ruff_cache
 
 distclean: clean ## remove .venv as well

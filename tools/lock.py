@@ -16,7 +16,7 @@ from pathlib import Path
 from tools.workspace.checks import SUPPORTED
 from tools.workspace.layout import Layout, Way
 
-_OWN = ("app.in", "dev.in")
+_OWN = ("app.in", "build.in", "dev.in")
 
 
 def main() -> int:

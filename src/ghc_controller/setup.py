@@ -1,6 +1,12 @@
-"""Installs the controller: a plain Python library and the ROS 2 executables."""
+"""Installs the controller: the library with its compiled core, and the ROS 2 executables."""
+
+import sys
+from pathlib import Path
 
 from setuptools import find_packages, setup
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from build_core import CORE, BuildCore
 
 package_name = "ghc_controller"
 
@@ -10,13 +16,17 @@ setup(
     description="Generalized Hierarchical Control: tasks, priorities, formulations and the node",
     license="Apache-2.0",
     maintainer="GHC control stack maintainers",
-    maintainer_email="maintainers@ghc-control.example",
+    python_requires=">=3.11",
+    # Without ROS; a workspace installs the versions of requirements/ instead.
+    install_requires=["daqp", "numba", "numpy", "pin", "proxsuite", "pyyaml", "scipy"],
     packages=find_packages(),
-    package_data={package_name: ["py.typed", "robot/data/**/*"]},
+    package_data={package_name: ["py.typed", "robot/data/**/*", "core/*.pyi"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
     ],
+    ext_modules=[CORE],
+    cmdclass={"build_ext": BuildCore},
     zip_safe=False,
     entry_points={
         "console_scripts": [

@@ -1,4 +1,4 @@
-"""The steps that build `src/`: the messages, the Python packages, the compiled kernels."""
+"""The steps that build `src/`: messages, Python packages with the core, compiled kernels."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ColconBuild(Step):
 
 
 class Messages(ColconBuild):
-    """ghc_msgs: the only step that compiles, about a minute."""
+    """ghc_msgs: type support in C and C++, about a minute."""
 
     title = f"{MESSAGES} (compiled, about a minute)"
 
@@ -82,9 +82,12 @@ class Messages(ColconBuild):
 
 
 class PythonPackages(ColconBuild):
-    """The Python packages, installed by symlink: an edit takes effect at once."""
+    """The Python packages, installed by symlink: an edit of a Python file takes effect at once.
 
-    title = "Python packages"
+    The compiled core of the controller is built with them, beside its sources.
+    """
+
+    title = "Python packages, and the core of the controller (compiled)"
 
     def packages(self) -> Sequence[str]:
         return [path.name for path in self.layout.python_packages()]
@@ -92,6 +95,7 @@ class PythonPackages(ColconBuild):
     def key(self) -> str:
         named = ("setup.py", "setup.cfg", "package.xml")
         files = [path / name for path in self.layout.python_packages() for name in named]
+        files += self.layout.core_sources()
         return key_of(files, self.context.venv_version(), self.layout.root, self.context.way)
 
     def stamp(self) -> Stamp:
@@ -103,7 +107,12 @@ class PythonPackages(ColconBuild):
             self.layout.install / "setup.bash",
             *(self.layout.install / name / "lib" / name for name in names),
             *(self.layout.build / name for name in names),
+            *self.layout.core_extensions(),
         ]
+
+    def run(self) -> None:
+        checks.check_compiler(self.context.machine)
+        super().run()
 
     def make(self) -> None:
         self._colcon([])

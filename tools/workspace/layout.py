@@ -68,9 +68,24 @@ class Layout:
         return self.root / "requirements" / f"cluster-py{version[0]}.{version[1]}.txt"
 
     def python_packages(self) -> list[Path]:
-        """The packages of src/ that are plain Python (ament_python)."""
+        """The packages of src/ that setup.py installs (ament_python)."""
         return sorted(path.parent for path in self.source.glob("*/setup.py"))
 
+    def core_sources(self) -> list[Path]:
+        """What the extension of the controller is built from."""
+        folders = sorted(path.parent for path in self.source.glob("*/*/core/CMakeLists.txt"))
+        files = [path for folder in folders for path in sorted(folder.glob("*.[ch]pp"))]
+        return [*files, *(folder / "CMakeLists.txt" for folder in folders), *self._builders()]
+
+    def core_extensions(self) -> list[Path]:
+        """The extensions that were built, beside their sources; what should be where none is."""
+        folders = sorted(path.parent for path in self.source.glob("*/*/core/CMakeLists.txt"))
+        return [next(folder.glob("native*.so"), folder / "native.so") for folder in folders]
+
+    def _builders(self) -> list[Path]:
+        names = ("build_core.py", "pyproject.toml")
+        return sorted(path for name in names for path in self.source.glob(f"*/{name}"))
+
     def messages(self) -> Path:
-        """The package with the interfaces, the only one that needs a compiler."""
+        """The package with the interfaces."""
         return self.source / MESSAGES

@@ -122,7 +122,7 @@ class Controller(Requests, Account):
         self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
-        self.formulation.solver.reset()
+        self.formulation.reset()
         self._time = 0.0
         self._anchor.reset()
         self._last = None

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from random_problems import random_problem, strict_alpha
 
+from ghc_controller.core import level_damping
 from ghc_controller.formulations import (
     ControlProblem,
     FormulationSettings,
@@ -15,7 +16,6 @@ from ghc_controller.formulations import (
     SolutionStatus,
     make_formulation,
 )
-from ghc_controller.formulations.cascade.kernels import level_damping
 from ghc_controller.hierarchy import Candidate, Priorities, matrix_from_hierarchy
 from ghc_controller.problem.violation import largest_violation
 from ghc_controller.qp import SolverSettings, make_solver

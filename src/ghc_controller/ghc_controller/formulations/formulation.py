@@ -141,6 +141,10 @@ class Formulation(ABC):
     def solve(self, problem: ControlProblem) -> Solution:
         """Solve one tick; `status` is FAILED when no answer meets the hard rows."""
 
+    def reset(self) -> None:
+        """Forget earlier problems: the next answers are those of a new formulation."""
+        self.solver.reset()
+
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
         """What transitions must keep, by default a solution of eq. 13b.
 

@@ -6,8 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.priorities import Priorities
@@ -76,8 +74,9 @@ class ControlProblem:
     def limits_rate(self) -> bool:
         """Whether the torque box holds more than the torque limits, which is the torque rate."""
         box, limit = self.torque, self.torque_limit
-        return box is not limit and not (
-            np.array_equal(box.lower, limit.lower) and np.array_equal(box.upper, limit.upper)
+        return box is not limit and not (  # by their bytes: array_equal takes ten times as long
+            box.lower.tobytes() == limit.lower.tobytes()
+            and box.upper.tobytes() == limit.upper.tobytes()
         )
 
     def not_finite(self) -> str:

@@ -53,6 +53,7 @@ class QpSolver(ABC):
     """
 
     name: str
+    lets_core_solve = False  # whether the compiled core may solve QPs before this solver
 
     def __init__(self, settings: SolverSettings) -> None:
         self.settings = settings
@@ -89,6 +90,11 @@ class QpSolver(ABC):
         """What is left of this part of the control step; outside of one that of a QP."""
         return self.pivots_per_qp if self._budget is None else self._budget - self._kept
 
+    def spend(self, pivots: int) -> None:
+        """Take pivots that were made elsewhere from what is left of the control step."""
+        if self._budget is not None:
+            self._budget -= pivots
+
     def solve(self, problem: QpProblem) -> QpResult:
         """Solve; never raises for a problem without solution, `status` says so."""
         return self.solve_checked(problem)[0]
@@ -123,8 +129,7 @@ class QpSolver(ABC):
                 reason = "the pivots of this control step are spent"
                 return QpResult.without_answer(problem, QpStatus.ITERATION_LIMIT, reason)
         result = solver.run(problem, limit)
-        if self._budget is not None:
-            self._budget -= max(result.iterations, 1)  # each QP costs
+        self.spend(max(result.iterations, 1))  # each QP costs
         return result
 
     @abstractmethod

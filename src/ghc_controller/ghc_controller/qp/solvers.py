@@ -26,7 +26,9 @@ def _proxqp(settings: SolverSettings) -> QpSolver:
 # exact up to rounding, and sees a conflict at once (README, "Solvers").
 @register_solver("daqp")
 def _daqp(settings: SolverSettings) -> QpSolver:
-    return Fallback(DaqpSolver(settings), DualSolver(settings), settings)
+    solver = Fallback(DaqpSolver(settings), DualSolver(settings), settings)
+    solver.lets_core_solve = True
+    return solver
 
 
 def make_solver(name: str, settings: SolverSettings | None = None) -> QpSolver:

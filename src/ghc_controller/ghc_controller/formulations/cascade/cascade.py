@@ -7,16 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ghc_controller.core import Cascade as Core
+from ghc_controller.core import NullSpace, level_optimum
 from ghc_controller.formulations.balanced import BalancedGhc
 from ghc_controller.formulations.cascade.blend import blend
+from ghc_controller.formulations.cascade.core_terms import core_terms
 from ghc_controller.formulations.cascade.force_center import ForceCenter, balanced_contacts
-from ghc_controller.formulations.cascade.kernels import (
-    Balance,
-    Motion,
-    Rows,
-    free_levels,
-    level_optimum,
-)
 from ghc_controller.formulations.cascade.level_answers import (
     UPPER_FORCE_WEIGHT,
     free_answer,
@@ -32,7 +28,6 @@ from ghc_controller.formulations.second_order import level_term
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order, levels
 from ghc_controller.hierarchy.priorities import Priorities
-from ghc_controller.hierarchy.soft_null_space import append_rows, null_projector
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_qp
@@ -42,8 +37,6 @@ from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.qp import QpSolver
 from ghc_controller.types import Array
 
-_EMPTY = np.zeros((0, 0))
-_NONE = np.zeros(0)
 _ORDERS_KEPT = 64
 
 
@@ -82,6 +75,13 @@ class Cascade(Formulation):
         within = contact_free._replace(source=problem)
         return within_rate(within, forces, answer, self.settings, self.solver)
 
+    def reset(self) -> None:
+        """See Formulation.reset."""
+        super().reset()
+        for order in self._orders.values():
+            if order is not None:
+                order.core.forget()
+
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:
         """Orders always have an answer; a target that is none must have one by `balanced`."""
         general = BalancedGhc(self.settings, self.solver).solvability(jacobian, starts)
@@ -105,22 +105,24 @@ class Cascade(Formulation):
 
 
 class Order(NamedTuple):
-    """Rows of the tasks in the order of their levels."""
+    """Rows of the tasks in the order of their levels, and the core's workspace for them."""
 
     rows: Starts  # (m,) indices into the augmented Jacobian
     ends: Starts  # (l,) end of each level among them
     tasks: tuple[tuple[int, ...], ...]  # of each level
+    core: Core
 
     @classmethod
     def of(cls, alpha: Array, starts: Starts) -> Order:
         """Order of a matrix (k, k); without an active task one level that has no row."""
         tasks = tuple(tuple(level) for level in levels(alpha) or [[]])
         parts = [rows_of(starts, level) for level in tasks]
-        return cls(np.concatenate(parts), np.cumsum([len(part) for part in parts]), tasks)
+        rows, ends = np.concatenate(parts), np.cumsum([len(part) for part in parts])
+        return cls(rows, ends, tasks, Core(rows.tolist(), ends.tolist()))
 
 
 class _Descent:
-    """One pass from the first level to the last."""
+    """One pass from the first level to the last: the compiled core, and what it leaves open."""
 
     def __init__(
         self,
@@ -131,77 +133,77 @@ class _Descent:
         order: Order,
     ) -> None:
         self.settings, self.solver = settings, solver
-        self.w, self.e = settings.regularization, settings.null_damping
         self.reduced, self.forces, self.given = reduced, forces, reduced.source
-        self.jacobian, self.target = reduced.jacobian[order.rows], reduced.target[order.rows]
-        self.rows, self.ends, self.tasks = order
-        self.basis, self.used = np.empty((len(order.rows) + 1, reduced.jacobian.shape[1])), 0
+        self.order = order
         brake = -settings.velocity_damping * reduced.source.velocity
         self.y = brake if reduced.basis is None else reduced.basis.T @ brake
 
     def answer(self) -> Solution:
         """Answer of the last level; of the last one that has one, where a later level fails."""
-        best: Solution | None = None
-        level, count = 0, len(self.ends)
         if self.given.second_order is not None:
-            return self._answer_with_second_order()
-        while level < count:
-            free, self.used, self.y, x, tau, force = free_levels(
-                self.jacobian,
-                self.target,
-                self.ends,
-                level,
-                self.y,
-                self.basis,
-                self.used,
-                self.w,
-                self.e,
-                *_kernel_terms(self.reduced, self.forces),
+            return self._from(0, None)
+        settings, solver = self.settings, self.solver
+        answered, pivots, qps, violation, x, torque, force = self.order.core.solve(
+            self.reduced.jacobian,
+            self.reduced.target,
+            self.y,
+            *core_terms(self.reduced, self.forces),
+            settings.regularization,
+            settings.null_damping,
+            solver.lets_core_solve,
+            solver.pivots_per_qp,
+            solver.pivots_left,
+        )
+        solver.spend(pivots)
+        best = None
+        if answered:
+            best = Solution(
+                x,
+                force,
+                torque,
+                SolutionStatus.SOLVED,
+                qps > 0,
+                primal_residual=violation,
+                violation=violation,
+                iterations=pivots,
             )
-            if free > level:
-                best = _after(best, Solution.unbounded(x, tau, force))
-            if free == count:
-                break
-            found = self._bounded_level(free)
-            if best is None and found.status is SolutionStatus.FAILED:
-                return found
-            if best is not None and not keeps_bounds(self.given, best.status, found):
-                return best._replace(levels_dropped=count - free)
-            best = _after(best, found)
-            self.y = reduced_acceleration(self.reduced, found.acceleration)
-            self.reduced = keep_feasible(self.reduced, found)
-            level = free + 1
-        assert best is not None
-        return best
+            if answered == len(self.order.ends):
+                return best
+            self.y = reduced_acceleration(self.reduced, x)
+            if qps:
+                self.reduced = keep_feasible(self.reduced, best)
+        return self._from(answered, best)
 
-    def _answer_with_second_order(self) -> Solution:
-        """As `answer`, with (x + kd v)^T S (x + kd v) in every level."""
-        best: Solution | None = None
+    def _from(self, first: int, best: Solution | None) -> Solution:
+        """Answer of the levels from `first` on, below the answer `best` of those above.
+
+        The rare path: levels whose bounds conflict, that the core could not finish, or that have
+        (x + kd v)^T S (x + kd v) beside their rows.
+        """
+        settings, order = self.settings, self.order
+        jacobian = self.reduced.jacobian[order.rows]
+        target = self.reduced.target[order.rows]
+        begins = [0, *order.ends[:-1]]
+        parts = [slice(begin, end) for begin, end in zip(begins, order.ends, strict=True)]
+        space = NullSpace(jacobian.shape[1], len(jacobian))
         above = np.zeros(len(self.given.target))
-        for level, tasks in enumerate(self.tasks):
-            part = slice(self.ends[level - 1] if level else 0, self.ends[level])
-            rows, P = self.jacobian[part], null_projector(self.basis, self.used)
-            _, local, damping = level_optimum(
-                rows, self.target[part], self.y, self.basis, self.used, self.w
-            )
-            term = level_term(self.reduced, tasks, above, P)
-            factor = inverse_factor(local.T @ local + damping * np.eye(len(self.y)) + term.matrix)
-            right = (self.target[part] - rows @ self.y) @ local
-            right -= P @ (term.pull + term.matrix @ self.y)
-            optimum = self.y + P @ (factor @ (factor.T @ right))
-            self.used = append_rows(rows, self.e, self.basis, self.used)
-            above[self.rows[part]] = 1.0
+        for part in parts[:first]:
+            space.append(jacobian[part], settings.null_damping)
+            above[order.rows[part]] = 1.0
+        for level in range(first, len(parts)):
+            part = parts[level]
+            optimum, factor = self._optimum(jacobian[part], target[part], level, space, above)
+            space.append(jacobian[part], settings.null_damping)
+            above[order.rows[part]] = 1.0
             found = free_answer(self.reduced, self.forces, optimum)
             if found is None:
-                weight = 1.0 if level + 1 == len(self.ends) else UPPER_FORCE_WEIGHT
-                parametrization = self.forces.parametrization(
-                    self.reduced, optimum, P @ factor, weight
-                )
-                found = solve_qp(self.reduced, parametrization, self.solver)
+                weight = 1.0 if level + 1 == len(parts) else UPPER_FORCE_WEIGHT
+                about = self.forces.parametrization(self.reduced, optimum, factor, weight)
+                found = solve_qp(self.reduced, about, self.solver)
             if best is None and found.status is SolutionStatus.FAILED:
                 return found
             if best is not None and not keeps_bounds(self.given, best.status, found):
-                return best._replace(levels_dropped=len(self.tasks) - level)
+                return best._replace(levels_dropped=len(parts) - level)
             best = _after(best, found)
             self.y = reduced_acceleration(self.reduced, found.acceleration)
             if found.qp_solved:
@@ -209,54 +211,22 @@ class _Descent:
         assert best is not None
         return best
 
-    def _bounded_level(self, level: int) -> Solution:
-        """Answer of a level whose optimum is beyond a bound."""
-        part = slice(self.ends[level - 1] if level else 0, self.ends[level])
-        rows = self.jacobian[part]
-        best, local, damping = level_optimum(
-            rows, self.target[part], self.y, self.basis, self.used, self.w
+    def _optimum(
+        self, rows: Array, target: Array, level: int, space: NullSpace, above: Array
+    ) -> tuple[Array, Array]:
+        """Optimum c (d,) of a level and P F (d, d): accelerations c + P F s cost 1/2 |s|^2."""
+        optimum, local, damping = level_optimum(
+            rows, target, self.y, space, self.settings.regularization
         )
-        factor = null_projector(self.basis, self.used) @ inverse_factor(
-            local.T @ local + damping * np.eye(best.shape[0])
-        )
-        weight = 1.0 if level + 1 == len(self.ends) else UPPER_FORCE_WEIGHT
-        parametrization = self.forces.parametrization(self.reduced, best, factor, weight)
-        self.used = append_rows(rows, self.e, self.basis, self.used)
-        return solve_qp(self.reduced, parametrization, self.solver)
-
-
-def _kernel_terms(reduced: ReducedProblem, forces: ForceCenter) -> tuple[Motion, Balance, Rows]:
-    """What `free_levels` takes of the problem."""
-    source, contacts, general = reduced.source, reduced.source.contacts, reduced.source.rows
-    acceleration, torque = source.acceleration, source.torque
-    lower, upper = [acceleration.lower, torque.lower], [acceleration.upper, torque.upper]
-    if general is not None:
-        lower.append(general.lower)
-        upper.append(general.upper)
-    if contacts is not None:
-        lower.append(contacts.force_lower)
-        upper.append(contacts.force_upper)
-    motion = (
-        _EMPTY if reduced.basis is None else reduced.basis,
-        _NONE if reduced.offset is None else reduced.offset,
-        reduced.torque_matrix,
-        reduced.torque_offset,
-        reduced.torque_force,
-    )
-    balance = (
-        forces.center,
-        forces.gain,
-        forces.residual,
-        reduced.balance_matrix,
-        reduced.balance_force,
-    )
-    rows = (
-        _EMPTY if general is None else general.matrix,
-        _EMPTY if contacts is None else contacts.force_matrix,
-        np.concatenate(lower),
-        np.concatenate(upper),
-    )
-    return motion, balance, rows
+        P = space.projector()
+        hessian = local.T @ local + damping * np.eye(len(self.y))
+        if self.given.second_order is None:
+            return optimum, P @ inverse_factor(hessian)
+        term = level_term(self.reduced, self.order.tasks[level], above, P)
+        factor = inverse_factor(hessian + term.matrix)
+        right = (target - rows @ self.y) @ local
+        right -= P @ (term.pull + term.matrix @ self.y)
+        return self.y + P @ (factor @ (factor.T @ right)), P @ factor
 
 
 def _after(above: Solution | None, found: Solution) -> Solution:

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from ghc_controller.formulations.cascade.force_center import ForceCenter
-from ghc_controller.formulations.cascade.kernels import BALANCED
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.problem.bounded_qp import bounded_answer
 from ghc_controller.problem.control_problem import ControlProblem
@@ -18,6 +17,7 @@ from ghc_controller.problem.violation import largest_violation
 from ghc_controller.qp import VIOLATION_TOLERANCE
 from ghc_controller.types import Array, Bounds
 
+BALANCED = 1e-6  # [N], [Nm] left of the equations of motion of the base
 UPPER_FORCE_WEIGHT = 1e-4  # [-] root of the weight on forces above the last level
 _KEEP_FEASIBLE = 2e-8  # [rad/s^2], [Nm], [N] widening that keeps the answer of the level above
 

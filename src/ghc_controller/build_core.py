@@ -1,0 +1,71 @@
+"""Builds the extension of `ghc_controller/core` by CMake: the one way for pip and for colcon."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from setuptools import Extension
+from setuptools.command.build_ext import build_ext
+
+CORE = Extension("ghc_controller.core.native", sources=[])
+
+
+class BuildCore(build_ext):
+    """Runs CMake on `ghc_controller/core/CMakeLists.txt` and puts its library where it belongs."""
+
+    def build_extension(self, extension: Extension) -> None:
+        """Build it; GHC_CMAKE_ARGS in the environment holds further options of CMake."""
+        python, prefix = _python_with_nanobind()
+        target = Path(self.get_ext_fullpath(extension.name)).resolve()
+        source = Path(__file__).resolve().parent / "ghc_controller" / "core"
+        build = Path(self.build_temp).resolve() / "core"
+        build.mkdir(parents=True, exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        options = [
+            f"-DPython_EXECUTABLE={python}",
+            "-DCMAKE_BUILD_TYPE=Release",
+            f"-DGHC_CORE_FOLDER={target.parent}",
+            *_generator(),
+            *([f"-DEigen3_ROOT={prefix}"] if prefix else []),
+            *os.environ.get("GHC_CMAKE_ARGS", "").split(),
+        ]
+        subprocess.run(["cmake", "-S", str(source), "-B", str(build), *options], check=True)
+        subprocess.run(["cmake", "--build", str(build), "--parallel", "2"], check=True)
+
+
+def _generator() -> list[str]:
+    return ["-GNinja"] if shutil.which("ninja") else []
+
+
+# Prints where a Python package brings Eigen's headers, if one does; CMake finds the system's.
+_PROBE = """
+import nanobind
+from importlib.metadata import PackageNotFoundError, distribution
+try:
+    print(distribution("cmeel-eigen").locate_file("cmeel.prefix"))
+except PackageNotFoundError:
+    print()
+"""
+
+
+def _python_with_nanobind() -> tuple[str, str]:
+    """The Python to build for, and the prefix of Eigen's headers ("": of the system).
+
+    A colcon of the system runs this with the system's Python, while nanobind is in the virtual
+    environment that is active.
+    """
+    pythons = [sys.executable]
+    if "VIRTUAL_ENV" in os.environ:
+        pythons.append(str(Path(os.environ["VIRTUAL_ENV"]) / "bin" / "python"))
+    for python in pythons:
+        probe = subprocess.run([python, "-c", _PROBE], capture_output=True, text=True, check=False)
+        if probe.returncode == 0:
+            return python, probe.stdout.strip()
+    raise SystemExit(
+        "the core of ghc_controller needs nanobind: activate the environment of `make setup`, or "
+        "install requirements/build.in"
+    )

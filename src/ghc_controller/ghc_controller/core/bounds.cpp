@@ -1,0 +1,124 @@
+#include "bounds.hpp"
+
+#include <algorithm>
+
+namespace ghc {
+namespace {
+
+double outside(const Vector& values, const Vector& lower, const Vector& upper) {
+  double worst = 0.0;
+  for (Index i = 0; i < values.size(); ++i) {
+    const double by = std::max(lower[i] - values[i], values[i] - upper[i]);
+    if (!(by <= worst)) worst = by;  // NaN is never inside
+    if (worst != worst) break;
+  }
+  return worst;
+}
+
+}  // namespace
+
+void Bounds::begin(const Terms& terms, Index d) {
+  terms_ = &terms;
+  const Index n = terms.x_lower.size(), a = terms.tau_lower.size();
+  const Index g = terms.general_lower.size(), r = terms.force_lower.size();
+  const Index count = n + a + g + r;
+  for (Vector* bound : {&lower_, &upper_, &values_, &scale_}) bound->resize(count);
+  lower_ << terms.x_lower, terms.tau_lower, terms.general_lower, terms.force_lower;
+  upper_ << terms.x_upper, terms.tau_upper, terms.general_upper, terms.force_upper;
+  given_lower_ = lower_, given_upper_ = upper_;
+  scale_.head(n).setOnes();
+  for (Index i = 0; i < a; ++i) scale_[n + i] = terms.torque_matrix.row(i).norm();
+  for (Index i = 0; i < g; ++i) scale_[n + a + i] = terms.general.row(i).norm();
+  for (Index i = 0; i < r; ++i) scale_[n + a + g + i] = terms.force_matrix.row(i).norm();
+  scale_ = scale_.cwiseMax(1e-9);
+  x_.resize(n), torque_.resize(a), force_.resize(terms.center.size());
+  left_.resize(terms.residual.size()), carried_.resize(std::max<Index>(d, left_.size()));
+}
+
+void Bounds::evaluate(const Eigen::Ref<const Vector>& y,
+                      const Eigen::Ref<const Vector>& free_force, double weight) {
+  const Terms& t = *terms_;
+  const Index n = x_.size(), a = torque_.size(), g = t.general_lower.size();
+  if (t.basis.rows()) {
+    x_ = t.offset;
+    x_.noalias() += t.basis * y;
+  } else {
+    x_ = y;
+  }
+  force_ = t.center;
+  unbalance_ = 0.0;
+  if (left_.size()) {
+    left_ = t.residual;
+    left_.noalias() -= t.balance_matrix * y;
+    force_.noalias() += t.gain * left_;
+    left_.noalias() -= t.balance_force * (force_ - t.center);
+    unbalance_ = left_.cwiseAbs().maxCoeff();
+  }
+  if (free_force.size()) force_.noalias() += t.free * free_force / weight;
+  torque_ = t.torque_offset;
+  torque_.noalias() += t.torque_matrix * y;
+  if (force_.size()) torque_.noalias() += t.torque_force * force_;
+  values_.head(n) = x_;
+  values_.segment(n, a) = torque_;
+  if (g) values_.segment(n + a, g).noalias() = t.general * x_;
+  const Index r = t.force_lower.size();
+  if (r) values_.tail(r).noalias() = t.force_matrix * force_;
+}
+
+bool Bounds::inside() const {
+  bool fine = balanced();
+  for (Index i = 0; i < count(); ++i) {  // false for NaN
+    fine = fine && lower_[i] <= values_[i] && values_[i] <= upper_[i];
+  }
+  return fine;
+}
+
+double Bounds::violation() const { return outside(values_, lower_, upper_); }
+
+double Bounds::violation_of_given() const {
+  return std::max(outside(values_, given_lower_, given_upper_), unbalance_);
+}
+
+void Bounds::widen() {
+  lower_ = lower_.cwiseMin((values_.array() - kKept).matrix());
+  upper_ = upper_.cwiseMax((values_.array() + kKept).matrix());
+}
+
+void Bounds::row(Index i, double weight, Eigen::Ref<RowVector> on_y,
+                 Eigen::Ref<RowVector> on_free) {
+  const Terms& t = *terms_;
+  const Index n = x_.size(), a = torque_.size(), g = t.general_lower.size();
+  on_free.setZero();
+  if (i < n) {
+    if (t.basis.rows()) {
+      on_y = t.basis.row(i);
+    } else {
+      on_y.setZero();
+      on_y[i] = 1.0;
+    }
+  } else if (i < n + a) {
+    on_y = t.torque_matrix.row(i - n);
+    if (force_.size()) add_force_row(t.torque_force.row(i - n), weight, on_y, on_free);
+  } else if (i < n + a + g) {
+    if (t.basis.rows()) {
+      on_y.noalias() = t.general.row(i - n - a) * t.basis;
+    } else {
+      on_y = t.general.row(i - n - a);
+    }
+  } else {
+    on_y.setZero();
+    add_force_row(t.force_matrix.row(i - n - a - g), weight, on_y, on_free);
+  }
+}
+
+void Bounds::add_force_row(const Eigen::Ref<const RowVector>& on_force, double weight,
+                           Eigen::Ref<RowVector> on_y, Eigen::Ref<RowVector> on_free) {
+  const Terms& t = *terms_;
+  if (on_free.size()) on_free.noalias() = on_force * t.free / weight;
+  if (left_.size()) {
+    carried_.head(left_.size()).noalias() = on_force * t.gain;
+    on_y.noalias() -= carried_.head(left_.size()) * t.balance_matrix;
+  }
+}
+
+}  // namespace ghc

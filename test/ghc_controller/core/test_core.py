@@ -1,0 +1,190 @@
+"""The compiled core against dense algebra, and what its answers do not depend on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_problems import random_problem, strict_alpha
+
+from ghc_controller.core import Cascade, NullSpace, level_optimum
+from ghc_controller.formulations import (
+    ControlProblem,
+    Formulation,
+    Solution,
+    SolutionStatus,
+    make_formulation,
+)
+from ghc_controller.qp import make_solver
+from ghc_controller.types import Array
+
+SIZES = [3, 2, 3, 17]
+TORQUE_SHARES = (None, 0.35)
+
+
+def _dense_null_space(rows: Array, e: float) -> Array:
+    """P = I - S^T (S S^T + e^2 I)^-1 S with e in proportion to rows longer than 1."""
+    damping = e**2 * np.maximum(1.0, (rows**2).sum(axis=1))
+    inner = np.linalg.solve(rows @ rows.T + np.diag(damping), rows)
+    return np.eye(rows.shape[1]) - rows.T @ inner
+
+
+def test_null_space_and_optimum_are_the_dense_ones() -> None:
+    """e from 1e-2 down to the default, rows of any length. Seed 0."""
+    rng = np.random.default_rng(0)
+    for e in (1e-2, 1e-3, 3e-5):
+        above, J = rng.normal(size=(6, 11)), rng.normal(size=(4, 11))
+        b, y, w = rng.normal(size=4), rng.normal(size=11), 1e-2
+        space = NullSpace(11, 6)
+        space.append(above[:4], e)
+        space.append(above[4:], e)
+        P = _dense_null_space(above, e)
+        assert np.abs(space.projector() - P).max() < 1e-8
+        found, A, damping = level_optimum(J, b, y, space, w)
+        assert np.abs(A - J @ P).max() < 1e-7
+        wanted = y + P @ A.T @ np.linalg.solve(A @ A.T + damping * np.eye(4), b - J @ y)
+        assert np.abs(found - wanted).max() < 1e-7
+
+
+def _posture(problem: ControlProblem, order: Array) -> ControlProblem:
+    """The last task asks for every acceleration, its rows in this order."""
+    n = len(order)
+    jacobian, target = problem.jacobian.copy(), problem.target.copy()
+    jacobian[-n:] = np.eye(n)[order]
+    target[-n:] = target[-n:][order]
+    return replace(problem, jacobian=jacobian, target=target)
+
+
+@pytest.mark.parametrize("share", TORQUE_SHARES)
+def test_a_posture_is_answered_alike_in_any_order_of_its_rows(share: float | None) -> None:
+    """J = I goes by the rows of the null space, a permuted one by its own. Seed 1."""
+    rng = np.random.default_rng(1)
+    identity = np.arange(17)
+    for _ in range(20):
+        problem = random_problem(rng, 17, SIZES, strict_alpha(4), share)
+        shuffled = rng.permutation(17)
+        wanted = make_formulation("cascade").solve(_posture(problem, shuffled))
+        found = make_formulation("cascade").solve(_posture(problem, identity))
+        assert found.status is wanted.status is SolutionStatus.SOLVED
+        assert found.qp_solved == (share is not None)
+        size = np.abs(wanted.torque).max()
+        assert (
+            np.abs(found.torque - wanted.torque).max() < (1e-10 if share is None else 1e-8) * size
+        )
+
+
+def _misses(problem: ControlProblem, answer: Solution) -> Array:
+    """(k,) |J_l x - b_l|."""
+    left = problem.jacobian @ answer.acceleration - problem.target
+    return np.array(
+        [
+            np.linalg.norm(left[a:b])
+            for a, b in zip(problem.starts, problem.starts[1:], strict=False)
+        ]
+    )
+
+
+def _without_core() -> Formulation:
+    solver = make_solver("daqp")
+    solver.lets_core_solve = False
+    return make_formulation("cascade", solver=solver)
+
+
+@pytest.mark.parametrize("contacts", [0, 4])
+def test_bounded_levels_are_those_of_the_other_solvers(contacts: int) -> None:
+    """Torques to 1e-6 of the largest, or every level as well met to 1e-6. Seed 2."""
+    rng = np.random.default_rng(2)
+    solved = 0
+    for _ in range(30):
+        share = 4.0 if contacts else 0.35
+        problem = random_problem(rng, 20, [3, 2, 20], strict_alpha(3), share, contacts)
+        found = make_formulation("cascade").solve(problem)
+        wanted = _without_core().solve(problem)
+        assert found.status is wanted.status
+        if found.status is not SolutionStatus.SOLVED:
+            continue
+        solved += 1
+        apart = np.abs(found.torque - wanted.torque).max() / np.abs(wanted.torque).max()
+        missed = np.abs(_misses(problem, found) - _misses(problem, wanted)).max()
+        assert apart < 1e-6 or missed < 1e-6
+    assert solved > 5
+
+
+def test_an_answer_does_not_depend_on_those_before() -> None:
+    """The active set of another problem as the start: the same torques to the last bit. Seed 3."""
+    rng = np.random.default_rng(3)
+    used = make_formulation("cascade")
+    for _ in range(30):
+        problem = random_problem(rng, 17, SIZES, strict_alpha(4), 0.4)
+        fresh = make_formulation("cascade").solve(problem)
+        assert fresh.status is SolutionStatus.SOLVED
+        for _ in range(2):
+            assert np.array_equal(used.solve(problem).torque, fresh.torque)
+
+
+def test_a_start_from_the_right_active_set_takes_fewer_pivots() -> None:
+    """The same problem again costs one pivot a level; after a reset as many as at first."""
+    problem = random_problem(np.random.default_rng(4), 17, SIZES, strict_alpha(4), 0.35)
+    formulation = make_formulation("cascade")
+    first, again = formulation.solve(problem), formulation.solve(problem)
+    assert again.iterations <= len(SIZES) < first.iterations
+    formulation.reset()
+    assert formulation.solve(problem).iterations == first.iterations
+
+
+def test_the_core_leaves_the_rest_at_a_cap() -> None:
+    """Levels with an answer before the pivots are spent; none is worse for it. Seed 5."""
+    problem = random_problem(np.random.default_rng(5), 17, SIZES, strict_alpha(4), 0.35)
+    terms = _fixed_base_terms(problem)
+    ends = np.cumsum(SIZES).tolist()
+    whole = Cascade(range(sum(SIZES)), ends).solve(*terms, True, 200, 2000)
+    assert whole[0] == len(SIZES)
+    answered = []
+    for cap in range(whole[1] + 1):
+        found = Cascade(range(sum(SIZES)), ends).solve(*terms, True, 200, cap)
+        answered.append(found[0])
+        assert found[1] <= cap
+    assert answered == sorted(answered)
+    assert answered[0] == 0
+    assert answered[-1] == len(SIZES)
+    assert Cascade(range(sum(SIZES)), ends).solve(*terms, False, 200, 2000)[0] == 0
+
+
+def _fixed_base_terms(problem: ControlProblem) -> tuple[object, ...]:
+    """What `Cascade.solve` takes up to the damping, then the damping."""
+    box, torque = problem.acceleration, problem.torque
+    return (
+        problem.jacobian,
+        problem.target,
+        np.zeros(len(problem.bias)),
+        None,
+        None,
+        problem.mass_matrix,
+        problem.bias,
+        *(None,) * 9,
+        box.lower,
+        box.upper,
+        torque.lower,
+        torque.upper,
+        *(None,) * 4,
+        1e-2,
+        3e-5,
+    )
+
+
+def test_sizes_that_do_not_fit_are_rejected() -> None:
+    problem = random_problem(np.random.default_rng(6), 7, [3, 2], strict_alpha(2))
+    terms = _fixed_base_terms(problem)
+    core = Cascade(range(5), [3, 5])
+    assert core.solve(*terms, True, 200, 2000)[0] == 2
+    for place, wrong in ((1, np.zeros(4)), (2, np.zeros(6)), (5, np.zeros((7, 6)))):
+        given = [*terms]
+        given[place] = wrong
+        with pytest.raises(ValueError, match="expected"):
+            core.solve(*given, True, 200, 2000)
+    with pytest.raises(ValueError, match="every row of the order"):
+        Cascade(range(6), [3, 6]).solve(*terms, True, 200, 2000)
+    space = NullSpace(7, 3)
+    with pytest.raises(ValueError, match="capacity"):
+        space.append(np.zeros((4, 7)), 1e-3)
