@@ -107,22 +107,17 @@ class _Counted:
     """QPs and processor time of the formulation since `reset`."""
 
     def __init__(self, controller: ghc.Controller) -> None:
-        self.reset()
         formulation = controller.formulation
+        self._solver = formulation.solver
+        self.reset()
         formulation.solve = self._timed(formulation.solve)  # type: ignore[method-assign]
-        solver = formulation.solver
-        solver.solve_checked = self._counted(solver.solve_checked)  # type: ignore[method-assign]
 
     def reset(self) -> None:
-        self.qps, self.cpu = 0, 0.0
+        self._before, self.cpu = self._solver.qps, 0.0
 
-    def _counted(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        @wraps(function)
-        def call(*arguments: Any) -> Any:
-            self.qps += 1
-            return function(*arguments)
-
-        return call
+    @property
+    def qps(self) -> int:
+        return self._solver.qps - self._before
 
     def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(function)

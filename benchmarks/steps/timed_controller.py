@@ -45,7 +45,6 @@ class TimedController:
         self.variant = variant
         self.controller = make_controller(robot, variant, bound)
         self._spent = {"model": 0.0, "qp": 0.0}
-        self._qps = 0  # of the last step that was watched
         for part, owner, name in (
             ("model", self.controller.model, "update"),
             ("qp", self.controller.formulation.solver, "solve_checked"),
@@ -60,9 +59,9 @@ class TimedController:
         self._begin(segment)
         solver = self.controller.formulation.solver
         for state in segment.states:
-            self._qps = 0
+            before = solver.qps
             result = self.controller.step(state)
-            qps, pivots = self._qps, solver.step_pivots
+            qps, pivots = solver.qps - before, solver.step_pivots
             active = len(self.controller.report().active_constraints)
             solved = result.status is ghc.StepStatus.SOLVED
             self._outcomes.append((result.solution.qp_solved, solved, active, qps, pivots))
@@ -112,7 +111,6 @@ class TimedController:
             start = perf_counter()
             result = function(*arguments)
             self._spent[part] += perf_counter() - start
-            self._qps += part == "qp"
             return result
 
         return call

@@ -36,7 +36,7 @@ Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, con
     const Index begin = l ? ends_[l - 1] : 0, size = ends_[l] - begin;
     const auto rows = jacobian_.middleRows(begin, size);
     const auto target_of_level = target_.segment(begin, size);
-    if (above_.used() < d && rows.isIdentity(0.0)) {
+    if (size == d && above_.used() < d && rows.isIdentity(0.0)) {
       level_.solve_identity(target_of_level, y_, above_, damping.regularization);
     } else {
       level_.solve(rows, target_of_level, y_, above_, damping.regularization);

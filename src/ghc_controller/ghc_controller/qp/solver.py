@@ -60,6 +60,7 @@ class QpSolver(ABC):
         self.counts = {"second_solver": 0, "capped": 0, "not_finite": 0}
         self._budget: int | None = None  # None outside a control step
         self.step_pivots = 0  # of the last control step
+        self.qps = 0  # solved since it was made, those of the core among them
         self._kept = 0  # pivots of it that are kept for later parts of the step
 
     @property
@@ -90,8 +91,9 @@ class QpSolver(ABC):
         """What is left of this part of the control step; outside of one that of a QP."""
         return self.pivots_per_qp if self._budget is None else self._budget - self._kept
 
-    def spend(self, pivots: int) -> None:
-        """Take pivots that were made elsewhere from what is left of the control step."""
+    def spend(self, pivots: int, qps: int) -> None:
+        """Count QPs, and take their pivots from what is left of the control step."""
+        self.qps += qps
         if self._budget is not None:
             self._budget -= pivots
 
@@ -109,6 +111,7 @@ class QpSolver(ABC):
             reason = f"{name} of the QP is not finite"
             result = QpResult.without_answer(problem, QpStatus.FAILED, reason)
             return result, residuals(problem, result, units)
+        self.qps += 1
         result, check = self._solve_checked(problem, units)
         self.counts["capped"] += result.status is QpStatus.ITERATION_LIMIT
         return result, check
@@ -129,7 +132,7 @@ class QpSolver(ABC):
                 reason = "the pivots of this control step are spent"
                 return QpResult.without_answer(problem, QpStatus.ITERATION_LIMIT, reason)
         result = solver.run(problem, limit)
-        self.spend(max(result.iterations, 1))  # each QP costs
+        self.spend(max(result.iterations, 1), 0)  # each QP costs
         return result
 
     @abstractmethod

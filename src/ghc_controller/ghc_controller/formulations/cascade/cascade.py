@@ -154,7 +154,7 @@ class _Descent:
             solver.pivots_per_qp,
             solver.pivots_left,
         )
-        solver.spend(pivots)
+        solver.spend(pivots, qps)
         best = None
         if answered:
             best = Solution(
