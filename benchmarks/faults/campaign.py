@@ -39,6 +39,7 @@ ROWS: tuple[Row, ...] = (
 )
 PERIOD = {Bench.ARM: 5e-3, Bench.FAST: 1e-3, Bench.CONTACT: 5e-3}  # [s]
 PATIENCE = 10.0  # [s] wall, for a recovery; a restart has been waited for by then
+YOUTH = 6.0  # [s] wall; so long a bridge still looks for an older one, see docs/interfaces.md
 SWING = 0.8  # [s] wall of fast motion before a fault
 
 
@@ -117,6 +118,7 @@ def _start(session: Session, bench: Bench, folder: Path) -> Path:
     for name in _nodes(bench):
         _start_node(session, bench, name, folder)
     session.ready()
+    session.spin(YOUTH)
     path = session.start_monitor()
     if bench is Bench.CONTACT:
         publisher = session.node.create_publisher(

@@ -260,9 +260,12 @@ class Controller(Requests, Account):
 
     def _rate_anchor(self, dynamics: Dynamics, state: RobotState) -> Array:
         """Torque (a,) [Nm] from which the rate limit counts in this step."""
-        if self._anchor.is_set:
-            return self._anchor.at(state.time, state.torque)
+        if self._anchor.is_set and not self._anchor.is_held(state.time):
+            return self._anchor.at(state.time)
         holding = braking_torque(dynamics, state.v, self.model.torque_limit)
+        if self._anchor.is_set:
+            # How a floating base was held is not known here; from what was sent it goes on.
+            return self._anchor.at(state.time, None if self.model.floating_base else holding)
         room = np.inf if self.model.floating_base else FIRST_SHARE
         return self._anchor.first(state.torque, holding, room)
 

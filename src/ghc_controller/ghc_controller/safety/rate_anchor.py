@@ -1,8 +1,8 @@
 """From which torque the rate limit counts: the one that was sent, not the one that is reported.
 
 On a robot the reported effort is a noisy measurement, and anybody on the network can forge it. It
-is used only where nothing better is known: for the first torque, and for the periods in which
-nothing was sent, and then only as far as the rate limit could have led in that time.
+is used for the first torque alone, and only near what holds the robot still. After a silence in
+which the robot was held, the anchor is the holding torque, as near as the rate limit leads.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 from ghc_controller.types import Array
 
 FIRST_SHARE = 0.1  # [-] of the torque limit: how far a first report may be from holding still
+HOLD_TIME = 0.02  # [s] of silence, after which a bridge or driver holds the robot
 _SAME_TIME = 1e-9  # [s]
 
 
@@ -65,16 +66,23 @@ class RateAnchor:
         self._before = np.clip(anchor, -self._limit, self._limit)
         return self._before
 
-    def at(self, time: float, reported: Array | None) -> Array:
-        """Anchor (a,) [Nm] for the answer to the state of `time` [s]; arguments as in `first`."""
+    def is_held(self, time: float) -> bool:
+        """Whether the silence before the state of `time` [s] was long enough for a hold."""
+        return self._sent is not None and time - self._time > HOLD_TIME
+
+    def at(self, time: float, holding: Array | None = None) -> Array:
+        """Anchor (a,) [Nm] for the answer to the state of `time` [s].
+
+        Args:
+            holding: (a,) [Nm] torque that holds the robot still, where `is_held`: the anchor is
+                then as near to it as the rate limit could have led meanwhile.
+        """
         assert self._sent is not None
         assert self._before is not None
         if abs(time - self._time) <= _SAME_TIME:
             return self._before  # a state that is answered again: not from its own answer
         self._before = self._sent
-        missed = max(round((time - self._time) / self._period) - 1, 0)
-        if missed and reported is not None and np.isfinite(reported).all():
-            room = missed * self._step
-            believed = np.clip(reported, -self._limit, self._limit)
-            self._before = np.clip(believed, self._sent - room, self._sent + room)
+        if holding is not None and np.isfinite(holding).all():
+            room = max(round((time - self._time) / self._period) - 1, 0) * self._step
+            self._before = np.clip(holding, self._sent - room, self._sent + room)
         return self._before

@@ -15,11 +15,13 @@ from ghc_controller.errors import ConfigurationError
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.run import guarded
 from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS
 
 DISCOVERY = 0.25  # [s] wall; a bridge that runs on this host is known by then
 LISTENING = 1.0  # [s] wall; one that runs publishes at least every 50 ms, also while paused
 YOUTH = 5  # [s] wall
-AHEAD = 10  # [-] states of an older bridge that are enough
+AHEAD_NS = 200_000_000  # [ns] a state of an older bridge is ahead, at least
+IN_A_ROW = 20  # [-] such states that are enough
 STATES, CLOCK = "joint_states", "/clock"
 
 
@@ -72,7 +74,8 @@ def _second(node: Node) -> str:
 class YoungBridge:
     """The same check while a bridge is young: discovery takes longer on a busy machine.
 
-    Its own time has just begun; states that are ahead of it are those of an older bridge.
+    Its own time has just begun; states that are ahead of it by far, and follow each other, are
+    those of an older bridge. A few forged ones do not end it.
     """
 
     def __init__(self, node: Node, now_ns: Callable[[], int], stop: Future) -> None:
@@ -80,7 +83,8 @@ class YoungBridge:
         self._node = node
         self._now_ns = now_ns
         self._stop = stop
-        self._ahead = 0
+        self._in_a_row = 0
+        self._last_ns = 0  # [ns] stamp of the last state that was ahead
         self._looks = 0
         self._listener: Subscription | None = None
 
@@ -101,9 +105,13 @@ class YoungBridge:
             self._listener = None
 
     def _hear(self, data: bytes) -> None:
-        if len(data) >= STAMP_END and read_stamp(data) > self._now_ns():
-            self._ahead += 1
-        if self._ahead >= AHEAD:
+        stamp_ns = read_stamp(data) if len(data) >= STAMP_END else 0
+        if stamp_ns - self._now_ns() < AHEAD_NS:
+            return
+        follows = 0 < stamp_ns - self._last_ns <= MOST_AHEAD_NS
+        self._in_a_row = self._in_a_row + 1 if follows else 0
+        self._last_ns = stamp_ns
+        if self._in_a_row >= IN_A_ROW:
             raise ConfigurationError(_second(self._node))
 
 
