@@ -9,11 +9,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from benchmarks.order_problems import bounded, order, well_scaled_problem
 
 import ghc_controller as ghc
 from benchmarks.compare.closed_loop import Change
 from benchmarks.compare.probes import ramp_step, strictness
+from benchmarks.problems.order_problems import bounded, order, well_scaled_problem
 from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy.priorities import Priorities
 
