@@ -34,6 +34,8 @@ def other(entry: Entry) -> Any:
         return entry.default + 1
     if isinstance(entry.default, float):
         return abs(entry.default) * 2.0 + 0.5
+    if isinstance(entry.default, tuple):
+        return ["torque_limit"]
     return "hqp" if entry.name == "formulation" else "proxqp"
 
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ghc_controller.errors import UnknownName
-from ghc_controller.robot.fields import LimitFields
+from ghc_controller.safety.torque_gate import DEFAULT_TORQUE_RATE
 from ghc_sim_bridge.scenario.plan import RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
 
 _AT_ONCE = 0.005  # [s] the paper's fast transition
-_RATE_LIMIT = LimitFields().torque_rate  # [Nm/s] of a robot that says nothing else
+_RATE_LIMIT = DEFAULT_TORQUE_RATE  # [Nm/s] what a robot has without one of its own
 
 
 @dataclass(frozen=True, slots=True)
