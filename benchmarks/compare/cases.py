@@ -6,10 +6,10 @@ from functools import partial
 
 from benchmarks.compare.case import Case
 from benchmarks.compare.method import METHODS, UNDAMPED, Method
-from benchmarks.compare.scenario_loop import run_scenario
-from benchmarks.compare.ten_tasks import run_ten_tasks
-from benchmarks.compare.unreachable import run_unreachable
-from benchmarks.compare.upper_body import run_upper_body
+from benchmarks.compare.runs.scenario_loop import run_scenario
+from benchmarks.compare.runs.ten_tasks import run_ten_tasks
+from benchmarks.compare.runs.unreachable import run_unreachable
+from benchmarks.compare.runs.upper_body import run_upper_body
 from benchmarks.upper_body_cases import CASES as UPPER_BODY
 
 UPPER_BODY_W = (1e-4, 1e-2)  # [-] regularization

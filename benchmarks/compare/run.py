@@ -20,9 +20,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """0 = all results are there, 1 = something is missing (one line says what), 130 = Ctrl-C."""
     for name in _THREADS:  # before NumPy is imported, also by the workers
         os.environ.setdefault(name, "1")
-    from benchmarks.compare.page import write_page
+    import ghc_controller as ghc
+    from benchmarks.compare.pages.page import write_page
     from benchmarks.compare.store import load
-    from ghc_controller.errors import GhcError
     from tools.workspace.errors import SetupError
 
     options = _options(arguments)
@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if not options.document:
             _run(options, folder)
-    except (GhcError, SetupError, OSError) as error:
+    except (ghc.GhcError, SetupError, OSError) as error:
         print(f"compare: {error}", file=sys.stderr)
         status = 1
     except KeyboardInterrupt:
@@ -77,11 +77,11 @@ def _run(options: argparse.Namespace, folder: Path) -> None:
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    import ghc_controller as ghc
     from benchmarks.compare.cases import CASES
-    from ghc_controller.formulations import FORMULATIONS
 
     parser = argparse.ArgumentParser(prog="compare", description=(__doc__ or "").splitlines()[0])
-    for name, known in (("--case", CASES), ("--formulation", FORMULATIONS)):
+    for name, known in (("--case", CASES), ("--formulation", ghc.FORMULATIONS)):
         parser.add_argument(
             name,
             action="append",

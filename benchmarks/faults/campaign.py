@@ -20,6 +20,7 @@ import numpy as np
 import yaml
 from ghc_msgs.msg import ContactSchedule, ControllerMode
 
+import ghc_controller as ghc
 from benchmarks.faults import generator_rows, message_rows, process_rows, request_rows
 from benchmarks.faults.generator_rows import GENERATORS
 from benchmarks.faults.judge import Run, broken, figures
@@ -27,7 +28,7 @@ from benchmarks.faults.page import write_page
 from benchmarks.faults.row import Bench, Row
 from benchmarks.faults.session import Session
 from benchmarks.faults.wire import Wire
-from ghc_controller.robot.library import find_robot, load_robot
+from ghc_controller.robot.library import find_robot
 from ghc_controller.ros.qos import SCHEDULE_QOS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -92,7 +93,7 @@ def _run_bench(
                 print(f"{row.name} [{seed}]: recovered {run.recovery}, {run.problem}", flush=True)
         session.stop("monitor")
     wire = Wire.load(path)
-    velocity_limit = load_robot("kuka_lwr").model.limits.velocity
+    velocity_limit = ghc.load_robot("kuka_lwr").model.limits.velocity
     judged: dict[str, dict[str, Any]] = {}
     for row in rows:
         entries = []

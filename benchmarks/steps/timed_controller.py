@@ -120,7 +120,7 @@ def make_controller(robot: ghc.Robot, variant: Variant, bound: Array | None) -> 
     """A warm controller without torque rate limit, as in the paper's experiments."""
     settings = ghc.Settings(
         formulation=variant.formulation,
-        solver=variant.solver,
+        qp_solver=variant.solver,
         control_dt=DT,
         torque_rate_limit=0.0,
     )

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+import ghc_controller as ghc
 from benchmarks.models import STUDY_ROBOTS, install_model, install_study_model
-from benchmarks.reachable_loop import DT, Case, run_loop, run_reference
 from benchmarks.study_results import shown
-from benchmarks.target_streams import (
+from benchmarks.targets.reachable_loop import DT, Case, run_loop, run_reference
+from benchmarks.targets.target_streams import (
     START,
     Channel,
     RandomStream,
@@ -19,10 +20,9 @@ from benchmarks.target_streams import (
     teleoperation_curve,
 )
 from ghc_controller.reachable import JointLimitsOfMotion, ReachableReference
-from ghc_controller.robot.library import load_robot
 from ghc_controller.types import Array
+from ghc_sim_bridge import Simulator
 from ghc_sim_bridge.programs.markdown import table as markdown_table
-from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "reachable_targets"
 TITLE = "Target streams: reachable references and teleoperation"
@@ -72,19 +72,19 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _start(case: Case) -> Array:
-    model = load_robot(case.robot).model
+    model = ghc.load_robot(case.robot).model
     return Simulator(case.scene, joint_names=model.joint_names).state().q.copy()
 
 
 def _stream(case: Case, seed: int) -> RandomStream:
-    robot = load_robot(case.robot)
+    robot = ghc.load_robot(case.robot)
     task = next(task for task in robot.tasks if task.name == case.task)
     return RandomStream.draw(robot, task, _start(case), seed, _JUMPS)
 
 
 def _references(robot_name: str, case: Case, rate: float, seeds: int) -> dict[str, Any]:
     """Shares of the limits that references use, and errors where streams stand still."""
-    robot = load_robot(case.robot)
+    robot = ghc.load_robot(case.robot)
     task = next(task for task in robot.tasks if task.name == case.task)
     q, shares, errors, distances = _start(case), [], [], []
     random = np.random.default_rng(0)
@@ -151,7 +151,7 @@ def _loops(robot_name: str, case: Case, formulation: str) -> list[dict[str, Any]
 def _operator(formulation: str, quick: bool) -> list[dict[str, Any]]:
     """The KUKA follows a figure of eight at 0.13 m/s, stamped by the sender or by arrival."""
     case = _CASES["kuka_lwr"]
-    robot = load_robot(case.robot)
+    robot = ghc.load_robot(case.robot)
     curve = teleoperation_curve(position_at(robot, robot.tasks[0], _start(case)))
     end = 2.5 if quick else _OPERATOR
     rows = []
@@ -174,7 +174,8 @@ def _operator(formulation: str, quick: bool) -> list[dict[str, Any]]:
 def table(result: dict[str, Any]) -> str:
     """Three tables per formulation."""
     parts = [_TEXT]
-    for found in result["formulations"].values():
+    for name, found in result["formulations"].items():
+        parts.append(f"Formulation `{name}`:")
         parts.append(
             markdown_table(
                 [

@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 
+import ghc_controller as ghc
 from benchmarks.models import STUDY_ROBOTS
 from benchmarks.study_results import shown
-from ghc_controller.controller import Controller
-from ghc_controller.settings import Settings
 from ghc_controller.types import Array
+from ghc_sim_bridge import Simulator
 from ghc_sim_bridge.programs.markdown import table as markdown_table
-from ghc_sim_bridge.simulation.simulator import Simulator
 
 NAME = "targets_at_rate"
 TITLE = "KUKA, reachable targets with and without the torque rate limit"
@@ -41,8 +40,11 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _loop(formulation: str, rate: float, seed: int, targets: int, hold: int) -> dict[str, Any]:
-    settings = Settings(formulation=formulation, torque_rate_limit=rate)
-    controller, posed = Controller.for_robot(_ROBOT, settings), Controller.for_robot(_ROBOT)
+    settings = ghc.Settings(formulation=formulation, torque_rate_limit=rate)
+    controller, posed = (
+        ghc.Controller.for_robot(_ROBOT, settings),
+        ghc.Controller.for_robot(_ROBOT),
+    )
     model, rng = controller.model, np.random.default_rng(seed)
     simulator = Simulator("kuka_lwr", joint_names=model.joint_names)
     error: Array = np.empty((targets, hold))

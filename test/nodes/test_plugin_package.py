@@ -66,7 +66,9 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
 ) -> None:
     """Scene, robot (its folder, or written in Python), task kind and formulation by name."""
     controller = start_node(
-        "ghc_controller", "controller", *_parameters(robot=robot, formulation=FORMULATION)
+        "ghc_controller",
+        "controller",
+        *_parameters(robot=robot, formulation=FORMULATION, arming="automatic"),
     )
     controller.wait_for_output("ready", 300.0)
     bridge = start_node(

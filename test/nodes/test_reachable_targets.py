@@ -124,7 +124,7 @@ def test_a_stream_moves_the_robot_to_its_target(operator: Operator, start_node: 
             ("robot:=kuka_lwr", "tasks:=[posture]"),
             "a task of a position, an orientation or a pose",
         ),
-        (("robot:=kuka_lwr", "stamps:=wall"), "must be one of: header, arrival"),
+        (("robot:=kuka_lwr", "stamps:=wall"), "'wall' given; known: header, arrival"),
         (("robot:=kuka_lwr", "velocity_share:=2.0"), "at most 1 expected"),
     ],
 )

@@ -27,6 +27,7 @@ ALLOWED = {
     "ghc_controller.previews": "plans without a generator, as inputs of a timed step",
     "ghc_controller.problem.reduction": "the part of a step that is timed",
     "ghc_controller.qp": "solvers are compared",
+    "ghc_controller.reachable": "references that can be followed, without a face",
     "ghc_controller.robot.library": "the path of a robot.yaml that is to be changed",
     "ghc_controller.ros": "nodes that drive nodes",
     "ghc_controller.tasks": "tasks of a robot without a robot.yaml",

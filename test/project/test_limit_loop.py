@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.limit_loop import Loop, run_loop
 from benchmarks.studies.transitions.aggressive_loop import ARMS, STIFF, STIFFER
+from benchmarks.targets.limit_loop import Loop, run_loop
 
 
 @pytest.mark.parametrize(

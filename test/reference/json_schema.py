@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 _TYPES: dict[str, tuple[type, ...]] = {
+    "null": (type(None),),
     "object": (dict,),
     "array": (list,),
     "string": (str,),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from benchmarks.limit_loop import Loop, run_loop
 from benchmarks.models import install_model
 from benchmarks.study_results import shown
+from benchmarks.targets.limit_loop import Loop, run_loop
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "aggressive_loop"

@@ -11,7 +11,7 @@ from benchmarks.compare.digest import digest, sources_of
 from benchmarks.compare.jobs import Job, all_jobs, job_digest
 
 FORMULATIONS = "ghc_controller.formulations"
-CASE = "benchmarks.compare.scenario_loop"
+CASE = "benchmarks.compare.runs.scenario_loop"
 
 
 def files(*modules: str) -> set[str]:
@@ -21,11 +21,11 @@ def files(*modules: str) -> set[str]:
 
 def test_a_formulation_depends_on_those_that_it_imports_alone() -> None:
     ghc = files(CASE, f"{FORMULATIONS}.ghc")
-    assert {"formulations/ghc.py", "compare/closed_loop.py", "simulation/simulator.py"} <= ghc
+    assert {"formulations/ghc.py", "runs/closed_loop.py", "simulation/simulator.py"} <= ghc
     assert not {"formulations/balanced.py", "cascade/cascade.py", "formulations/hqp.py"} & ghc
     blend = files(CASE, f"{FORMULATIONS}.hqp_transition")
     assert {"formulations/hqp.py", "cascade/blend.py"} <= blend
-    assert "compare/page.py" not in ghc | blend
+    assert "pages/page.py" not in ghc | blend
 
 
 def test_a_change_of_a_source_changes_the_digest(

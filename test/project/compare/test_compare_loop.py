@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import ghc_controller as ghc
-from benchmarks.compare.closed_loop import Loop, Record, Span, run_loop
-from benchmarks.compare.measures import measure
 from benchmarks.compare.operations import gram_schmidt, law_operations
 from benchmarks.compare.qp_counter import QpCounter
+from benchmarks.compare.runs.closed_loop import Loop, Record, Span, run_loop
+from benchmarks.compare.runs.measures import measure
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.hierarchy.priorities import Candidate
 from ghc_sim_bridge import Simulator

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import ghc_controller as ghc
-from benchmarks.compare.closed_loop import Change
-from benchmarks.compare.probes import ramp_step, strictness
+from benchmarks.compare.runs.closed_loop import Change
+from benchmarks.compare.runs.probes import ramp_step, strictness
 from benchmarks.problems.order_problems import bounded, order, well_scaled_problem
 from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy.priorities import Priorities

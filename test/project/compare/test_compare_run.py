@@ -11,7 +11,7 @@ import pytest
 from benchmarks.compare.cases import CASES
 from benchmarks.compare.jobs import Job, run_job
 from benchmarks.compare.method import METHODS
-from benchmarks.compare.page import missing, page
+from benchmarks.compare.pages.page import missing, page
 from benchmarks.compare.run import main
 from benchmarks.compare.store import is_done, load, path_of
 from benchmarks.models import install_cluster, install_model

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from benchmarks.compare.cases import CASES
-from benchmarks.compare.first_screen import first_screen, given_up
-from benchmarks.compare.overview import deciding_ratio
-from benchmarks.compare.verdict import LEAST, RATIO, judge
+from benchmarks.compare.pages.first_screen import first_screen, given_up
+from benchmarks.compare.pages.overview import deciding_ratio
+from benchmarks.compare.pages.verdict import LEAST, RATIO, judge
 
 CASE = CASES["priority_switching"]
 

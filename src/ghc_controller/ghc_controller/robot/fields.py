@@ -21,6 +21,12 @@ def _urdf_schema(schema: Any) -> dict[str, Any]:
     return {"anyOf": [{"type": "string", "minLength": 1}, schema.record(UrdfFields)]}
 
 
+def _positive_schema(_: Any) -> dict[str, Any]:
+    """A number, or joint: number, all above zero."""
+    number = {"type": "number", "exclusiveMinimum": 0.0}
+    return {"anyOf": [number, {"type": "object", "additionalProperties": number}]}
+
+
 def _tasks_schema(schema: Any) -> dict[str, Any]:
     """A list whose entries have the fields of their kind."""
     entry = schema.one_of_kinds("kind", task_entries(), TaskFields)
@@ -45,6 +51,7 @@ class LimitFields:
         "largest change of torque: a number, or joint: number (others 1000); left out = 1000",
         None,
         unit="Nm/s",
+        schema=_positive_schema,
     )
     brake_acceleration: float = declared(
         "what braking before a position limit may use; the torque limits must allow it",

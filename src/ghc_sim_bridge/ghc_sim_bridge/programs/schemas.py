@@ -46,15 +46,18 @@ def schemas() -> dict[str, JsonSchema]:
 
 
 def _with_variants(scenario: JsonSchema) -> JsonSchema:
-    """A variant replaces fields of the file, so that none is required where there are any."""
+    """A variant changes fields of the file or takes them away (null): none is then required."""
     fields: dict[str, Any] = scenario["properties"]
     variant = {
         "type": "object",
-        "properties": {name: {"$ref": f"#/properties/{name}"} for name in fields},
+        "properties": {
+            name: {"anyOf": [{"$ref": f"#/properties/{name}"}, {"type": "null"}]}
+            for name in fields
+        },
         "additionalProperties": False,
     }
     variants = {
-        "description": "name: fields that replace those above; the first is the default",
+        "description": "name: changes of fields above, null = without; the first is the default",
         "type": "object",
         "additionalProperties": {"$ref": "#/definitions/variant"},
     }

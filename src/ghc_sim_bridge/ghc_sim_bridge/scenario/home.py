@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from hashlib import sha1
-from importlib import resources
 from pathlib import Path
 
-from ghc_sim_bridge.scenario.scenario import Scenario, scenario_names
+from ghc_sim_bridge.scenario.scenario import Scenario, find_scenario, scenario_names
 
 MARK = ".scenario"  # file that says whose folder it is: the path of the scenario's file
 
@@ -14,11 +13,11 @@ MARK = ".scenario"  # file that says whose folder it is: the path of the scenari
 def results_home(scenario: Scenario, output: Path) -> Path:
     """Folder of all variants of a scenario under the root `output`.
 
-    It has the scenario's name. Where that belongs to a scenario of this package, or is marked by
-    another file, the name is followed by eight digits made from the path of the file.
+    It has the scenario's name. Where that is the name of another scenario, or is marked by another
+    file, the name is followed by eight digits made from the path of the file.
     """
     home = output / scenario.name
-    if _is_of_the_package(scenario.file):
+    if _has_its_name(scenario):
         return home
     path = str(scenario.file.resolve())
     mark = home / MARK
@@ -31,10 +30,12 @@ def results_home(scenario: Scenario, output: Path) -> Path:
 def mark_home(scenario: Scenario, home: Path) -> None:
     """Say in the folder `home`, which is made if need be, whose it is."""
     home.mkdir(parents=True, exist_ok=True)
-    if not _is_of_the_package(scenario.file):
+    if not _has_its_name(scenario):
         (home / MARK).write_text(str(scenario.file.resolve()), encoding="utf-8")
 
 
-def _is_of_the_package(file: Path) -> bool:
-    folder = Path(str(resources.files("ghc_sim_bridge") / "scenario" / "data"))
-    return file.resolve().parent == folder.resolve()
+def _has_its_name(scenario: Scenario) -> bool:
+    """Whether the scenario is found by its name: of this package, or of a plug-in."""
+    if scenario.name not in scenario_names():
+        return False
+    return find_scenario(scenario.name).resolve() == scenario.file.resolve()

@@ -265,6 +265,11 @@ def load_scenario(name: str, variant: str = "") -> Scenario:
     return _read_scenario(Fields(merged(common, changes), file), file, chosen, names)
 
 
+def _beside(name: str, file: Path) -> str:
+    """A path that begins with "." is meant from the scenario's file."""
+    return str((file.parent / name).resolve()) if name.startswith(".") else name
+
+
 def _read_scenario(
     fields: Fields, file: Path, variant: str, variants: tuple[str, ...]
 ) -> Scenario:
@@ -272,6 +277,8 @@ def _read_scenario(
     scenario = replace(
         given,
         name=given.name or file.stem,
+        robot=_beside(given.robot, file),
+        scene=_beside(given.scene, file),
         phases=tuple(
             phase if phase.hold != _AS_SCENARIO else replace(phase, hold=given.hold)
             for phase in given.phases

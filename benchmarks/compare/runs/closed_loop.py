@@ -14,8 +14,7 @@ from benchmarks.compare.qp_counter import QpCounter
 from ghc_controller.hierarchy.priorities import Candidate
 from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.types import Array
-from ghc_sim_bridge import Simulator
-from ghc_sim_bridge.errors import SimulationDiverged
+from ghc_sim_bridge import SimulationDiverged, Simulator
 
 LARGEST_SPEED = 100.0  # [rad/s] norm of all joints: beyond it a run has stopped
 LARGEST_TORQUE = 2e4  # [Nm] likewise

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.compare.case import Result
-from benchmarks.compare.closed_loop import Loop, Record, Span
-from benchmarks.compare.probes import ramp_step, strictness
+from benchmarks.compare.runs.closed_loop import Loop, Record, Span
+from benchmarks.compare.runs.probes import ramp_step, strictness
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.metrics import (

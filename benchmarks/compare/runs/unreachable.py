@@ -6,9 +6,9 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.compare.case import Result
-from benchmarks.compare.closed_loop import Loop, Span, run_loop
-from benchmarks.compare.measures import measure
 from benchmarks.compare.method import Method
+from benchmarks.compare.runs.closed_loop import Loop, Span, run_loop
+from benchmarks.compare.runs.measures import measure
 from benchmarks.switching_loop import target_references
 from benchmarks.unreachable_loop import HIERARCHY, TARGET
 from ghc_sim_bridge import Simulator

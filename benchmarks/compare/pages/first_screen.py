@@ -8,8 +8,8 @@ from typing import NamedTuple
 from benchmarks.compare.case import Case
 from benchmarks.compare.cases import CASES
 from benchmarks.compare.method import REFERENCE
+from benchmarks.compare.pages.verdict import Loss, Verdict, judge
 from benchmarks.compare.store import Results
-from benchmarks.compare.verdict import Loss, Verdict, judge
 from ghc_sim_bridge.programs.markdown import number, table
 
 _QP_PER_LEVEL = ("hqp", "rhp_hqp", "hqp_transition")

@@ -7,14 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.target_streams import Channel, Curve
-from ghc_controller.controller import Controller
-from ghc_controller.errors import GhcError
+import ghc_controller as ghc
+from benchmarks.targets.target_streams import Channel, Curve
 from ghc_controller.reachable import ReachableReference
-from ghc_controller.robot.library import load_robot
-from ghc_controller.settings import Settings
-from ghc_controller.types import Array, RobotState
-from ghc_sim_bridge.simulation.simulator import Simulator
+from ghc_controller.types import Array
+from ghc_sim_bridge import Simulator
 
 DT = 1e-3  # [s]
 _PLAN = 10  # steps between plans
@@ -35,7 +32,7 @@ class Feeder:
     def __init__(
         self, case: Case, channel: Channel, curve: Curve, end: float, seed: int, stamped: bool
     ) -> None:
-        self.reference = ReachableReference(load_robot(case.robot), [case.task])
+        self.reference = ReachableReference(ghc.load_robot(case.robot), [case.task])
         self._task, self._stamped = case.task, stamped
         self._samples = channel.samples(curve, end, seed)
         self._next = 0
@@ -48,7 +45,7 @@ class Feeder:
             self._next += 1
             try:
                 self.reference.add(self._task, position, arrival, stamp if self._stamped else None)
-            except GhcError:
+            except ghc.GhcError:
                 self.rejected += 1
 
 
@@ -61,7 +58,7 @@ def run_reference(
     for k in range(round(end / DT / _PLAN)):
         now = k * _PLAN * DT
         feeder.until(now)
-        feeder.reference.plan(RobotState(now, q, np.zeros(len(q))))
+        feeder.reference.plan(ghc.RobotState(now, q, np.zeros(len(q))))
         if feeder.reference.has_begun:
             rows.append(feeder.reference.joint_motion)
     return np.concatenate(rows), feeder
@@ -90,7 +87,7 @@ def run_loop(
     stamped: bool = True,
 ) -> LoopRun:
     """Run the controller with default settings in the simulator."""
-    controller = Controller.for_robot(case.robot, Settings(formulation=formulation))
+    controller = ghc.Controller.for_robot(case.robot, ghc.Settings(formulation=formulation))
     simulator = Simulator(case.scene, control_dt=DT, joint_names=controller.model.joint_names)
     controller.start(simulator.state())
     feeder = Feeder(case, channel, curve, end, seed, stamped)

@@ -8,9 +8,9 @@ from tempfile import TemporaryDirectory
 
 import ghc_controller as ghc
 from benchmarks.compare.case import Result
-from benchmarks.compare.closed_loop import Loop, Span, run_loop
-from benchmarks.compare.measures import measure
 from benchmarks.compare.method import Method
+from benchmarks.compare.runs.closed_loop import Loop, Span, run_loop
+from benchmarks.compare.runs.measures import measure
 from benchmarks.fencing_loop import start
 from ghc_controller.robot.library import find_robot
 from ghc_sim_bridge import Simulator

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks.compare import papers
-from benchmarks.compare.case_tables import case_tables
 from benchmarks.compare.cases import CASES
-from benchmarks.compare.first_screen import first_screen, given_up
 from benchmarks.compare.jobs import Job, all_jobs, job_digest
-from benchmarks.compare.overview import plot_overview
+from benchmarks.compare.pages import papers
+from benchmarks.compare.pages.case_tables import case_tables
+from benchmarks.compare.pages.first_screen import first_screen, given_up
+from benchmarks.compare.pages.overview import plot_overview
 from benchmarks.compare.store import Results
 from ghc_sim_bridge.programs.markdown import picture
 

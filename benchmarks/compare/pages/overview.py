@@ -13,8 +13,8 @@ from matplotlib.ticker import NullFormatter
 from benchmarks.compare.case import GROUPS, Case
 from benchmarks.compare.cases import CASES
 from benchmarks.compare.method import METHODS, REFERENCE, UNDAMPED
+from benchmarks.compare.pages.verdict import LEAST, RATIO
 from benchmarks.compare.store import Results
-from benchmarks.compare.verdict import LEAST, RATIO
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
 
 Value = Callable[[Case, Mapping[str, Any], Mapping[str, Any]], float | None]

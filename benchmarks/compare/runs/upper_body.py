@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ghc_controller as ghc
 from benchmarks.compare.case import Result
-from benchmarks.compare.closed_loop import Loop, Span, run_loop
-from benchmarks.compare.measures import measure
 from benchmarks.compare.method import Method
+from benchmarks.compare.runs.closed_loop import Loop, Span, run_loop
+from benchmarks.compare.runs.measures import measure
 from benchmarks.upper_body_cases import CASES, ROBOT, SCENE, elbow_gap, prepare
 from ghc_sim_bridge import Simulator
 

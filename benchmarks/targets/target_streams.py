@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+import ghc_controller as ghc
 from ghc_controller.reachable import JointLimitsOfMotion
-from ghc_controller.robot.robot import Robot
-from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState, TaskTarget
+from ghc_controller.types import Array, TaskTarget
 
 Curve = Callable[[float], Array]  # time [s] -> position (3,) [m]
 
@@ -53,7 +52,9 @@ class RandomStream:
     end: float  # [s]
 
     @classmethod
-    def draw(cls, robot: Robot, task: Task, q: Array, seed: int, jumps: int) -> RandomStream:
+    def draw(
+        cls, robot: ghc.Robot, task: ghc.Task, q: Array, seed: int, jumps: int
+    ) -> RandomStream:
         """Points of random postures; every third is moved away from the base, out of reach."""
         random = np.random.default_rng(seed)
         model = robot.model
@@ -92,21 +93,27 @@ def teleoperation_curve(center: Array) -> Curve:
     return curve
 
 
-def position_at(robot: Robot, task: Task, q: Array) -> Array:
+def position_at(robot: ghc.Robot, task: ghc.Task, q: Array) -> Array:
     """Task variable (3,) at positions q (n,)."""
     robot.model.update(q, np.zeros(robot.model.nv))
     return task.current(robot.model).copy()
 
 
 def least_distance(
-    robot: Robot, task: Task, target: Array, limits: JointLimitsOfMotion, starts: list[Array]
+    robot: ghc.Robot,
+    task: ghc.Task,
+    target: Array,
+    limits: JointLimitsOfMotion,
+    starts: list[Array],
 ) -> float:
     """[m] from a target to the nearest point within joint limits, from many starts."""
     model, still = robot.model, np.zeros(robot.model.nv)
 
     def rows(q: Array) -> tuple[Array, Array]:
         model.update(q, still)
-        found = task.rows(model, RobotState(0.0, q, still), TaskTarget(target, *np.zeros((2, 3))))
+        found = task.rows(
+            model, ghc.RobotState(0.0, q, still), TaskTarget(target, *np.zeros((2, 3)))
+        )
         return -found.error, found.jacobian
 
     inside = 1e-9 * (limits.upper - limits.lower)

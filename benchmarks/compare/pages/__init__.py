@@ -1,0 +1,1 @@
+"""The page: tables, first screen, overview figure, and the papers own figures."""

@@ -1,0 +1,1 @@
+"""Closed loops of the cases, and what is measured in them."""

@@ -1,0 +1,1 @@
+"""Target streams, and closed loops under limits."""
