@@ -32,7 +32,7 @@ def test_a_robot_that_nobody_here_has_seen_swaps_two_tasks(
         tmp_path / "results",
     )
     assert run.wait(300.0) == 0, run.output
-    (file,) = (tmp_path / "results").rglob("summary.json")
+    file = next((tmp_path / "results").rglob("summary.json"))
     summary = json.loads(file.read_text(encoding="utf-8"))
     assert len(summary["phases"]) == 3
     for phase in summary["phases"]:

@@ -139,6 +139,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _follow(request: TransitionRequest, timeout: float) -> int:
     executor = SingleThreadedExecutor()
     executor.add_node(request.node)
+    try:
+        return _spin(executor, request, timeout)
+    finally:  # before the context goes, which the executor's own end needs
+        executor.shutdown()
+
+
+def _spin(executor: SingleThreadedExecutor, request: TransitionRequest, timeout: float) -> int:
     deadline = time.monotonic() + timeout
     while request.exit_code is None:
         executor.spin_once(timeout_sec=0.05)

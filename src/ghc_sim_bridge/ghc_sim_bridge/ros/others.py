@@ -23,12 +23,14 @@ YOUTH = 5  # [s] wall
 AHEAD_NS = 200_000_000  # [ns] a state of an older bridge is ahead, at least
 IN_A_ROW = 20  # [-] such states that are enough
 STATES, CLOCK = "joint_states", "/clock"
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"  # what rcl says of an endpoint before its node is discovered
 
 
 def publishers_of(node: Node, topic: str) -> list[str]:
-    """Full names of the nodes that publish a topic, sorted."""
+    """Full names of the nodes that publish a topic, sorted; discovery may lag behind."""
     entries = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
-    return sorted(f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in entries)
+    names = {f"{entry.node_namespace.rstrip('/')}/{entry.node_name}" for entry in entries}
+    return sorted("a node whose name is not known yet" if _UNKNOWN in n else n for n in names)
 
 
 def refuse_second_bridge(node: Node) -> None:
