@@ -121,7 +121,7 @@ def test_a_forged_state_costs_no_more_than_itself(
     for _ in range(copies):
         session.forge_state(**forged)
     _goes_on(session)
-    assert session.mode.mode == ControllerMode.ACTIVE
+    session.until(lambda: session.mode.mode == ControllerMode.ACTIVE, "the mode", 5.0)
 
 
 def test_bytes_that_are_no_message_end_no_node(session: Session) -> None:
@@ -243,7 +243,7 @@ def test_a_fault_is_latched_until_it_is_reset(session: Session) -> None:
     assert "active" in session.call("controller/arm")
     assert "holding" in session.call("controller/hold")
     _goes_on(session)
-    assert session.mode.mode == ControllerMode.ACTIVE
+    session.until(lambda: session.mode.mode == ControllerMode.ACTIVE, "the mode", 5.0)
 
 
 def test_two_robots_in_namespaces_have_one_clock(
