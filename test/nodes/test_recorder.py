@@ -69,7 +69,10 @@ def _on_disk(folder: Path, topic: str) -> int:
     """Messages of a topic in a bag that is being written."""
     channels: dict[int, str] = {}
     count = 0
-    for record in intact_records(folder / f"{folder.name}_0.mcap"):
+    file = folder / f"{folder.name}_0.mcap"
+    if not file.is_file():  # the recorder has a topic before it has a file
+        return 0
+    for record in intact_records(file):
         if isinstance(record, Channel):
             channels[record.id] = record.topic
         elif isinstance(record, Message):
