@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import ghc_controller as ghc
-from ghc_controller.hierarchy import Candidate
+from ghc_controller.hierarchy import Candidate, Priorities
 from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.types import Array
 
@@ -92,7 +92,7 @@ def _by_distance() -> Act:
             )
         s = ghc.Profile.MINIMUM_JERK.progress((_NEAR - gap) / (_NEAR - _NEAREST))
         shares = zip(alphas, (1.0 - s, s), strict=True)
-        controller.priorities.in_force = ghc.Priorities.mixed(
+        controller.priorities.in_force = Priorities.mixed(
             Candidate(alpha, share) for alpha, share in shares if share > 0.0
         )
 

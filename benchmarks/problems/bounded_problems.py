@@ -10,7 +10,8 @@ import numpy as np
 import ghc_controller as ghc
 from benchmarks.problems.reference_cascade import Damping, hard_cascade
 from benchmarks.random_tasks import strict_matrix
-from ghc_controller.types import Array
+from ghc_controller.hierarchy import Priorities
+from ghc_controller.types import Array, Bounds
 
 SEED = 5
 SIZES = (7, 17, 32)  # joints, in turn
@@ -23,8 +24,8 @@ class BoundedProblem(NamedTuple):
     targets: list[Array]  # (m_i,)
     mass: Array  # (n, n)
     bias: Array  # (n,)
-    acceleration: ghc.Bounds  # (n,)
-    torque: ghc.Bounds  # (n,)
+    acceleration: Bounds  # (n,)
+    torque: Bounds  # (n,)
 
     def control_problem(self) -> ghc.ControlProblem:
         """As formulations take it."""
@@ -34,7 +35,7 @@ class BoundedProblem(NamedTuple):
             jacobian=np.ascontiguousarray(np.vstack(self.jacobians)),
             target=np.concatenate(self.targets),
             starts=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
-            priorities=ghc.Priorities.of(strict_matrix(range(k), k)),
+            priorities=Priorities.of(strict_matrix(range(k), k)),
             velocity=np.zeros(len(self.bias)),
             mass_matrix=self.mass,
             bias=self.bias,
@@ -85,11 +86,11 @@ def bounded_problems(count: int, w: float) -> Iterator[BoundedProblem]:
         free = free_answer[0]
         share = rng.uniform(0.2, 1.0)
         size = np.abs(mass @ free).max() * share * rng.uniform(0.5, 1.5, n)
-        torque = ghc.Bounds(bias - size, bias + size)
+        torque = Bounds(bias - size, bias + size)
         box = np.full(n, np.inf)
         if rng.random() < 0.5:
             box = np.abs(free).max() * share * rng.uniform(0.5, 1.5, n)
-        problem = BoundedProblem(jacobians, targets, mass, bias, ghc.Bounds(-box, box), torque)
+        problem = BoundedProblem(jacobians, targets, mass, bias, Bounds(-box, box), torque)
         C, lower, upper = problem.rows()
         if (lower <= C @ free).all() and (C @ free <= upper).all():
             continue  # no bound is active

@@ -12,7 +12,7 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.random_tasks import Reach, random_references, strict_matrix
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Bounds
 
 SEED = 17
 REGIMES = ("few", "many")  # joints whose torque bound the free optimum breaks
@@ -79,7 +79,7 @@ def _bounded(
     rng: np.random.Generator,
 ) -> ghc.ControlProblem:
     n, bias = len(problem.bias), problem.bias
-    none = ghc.Bounds(np.full(n, -np.inf), np.full(n, np.inf))
+    none = Bounds(np.full(n, -np.inf), np.full(n, np.inf))
     optimum = free.solve(
         replace(problem, acceleration=none, torque=none, torque_limit=none)
     ).acceleration
@@ -91,8 +91,8 @@ def _bounded(
     box = np.full(n, np.inf)
     if bound_accelerations:
         box = np.full(n, rng.uniform(0.3, 1.0) * np.abs(optimum).max())
-    limits = ghc.Bounds(bias - size, bias + size)
-    return replace(problem, acceleration=ghc.Bounds(-box, box), torque=limits, torque_limit=limits)
+    limits = Bounds(bias - size, bias + size)
+    return replace(problem, acceleration=Bounds(-box, box), torque=limits, torque_limit=limits)
 
 
 def _urdf(joints: int) -> str:

@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 import ghc_controller as ghc
-from ghc_controller.hierarchy import Candidate
-from ghc_controller.types import Array
+from ghc_controller.formulations import make_formulation
+from ghc_controller.hierarchy import Candidate, Priorities
+from ghc_controller.types import Array, Bounds
 
 _FREE = 1e6  # [Nm], [rad/s^2] a bound that is never met
 _AT_THE_ENDS = 1e-9  # [-] share of the other order: what a step to it adds is a jump
@@ -25,13 +26,13 @@ def order(*levels: Sequence[int], tasks: int) -> Array:
     return np.array(ghc.matrix_from_hierarchy(names, text).alpha)
 
 
-def mixed(*parts: tuple[Array, float]) -> ghc.Priorities:
+def mixed(*parts: tuple[Array, float]) -> Priorities:
     """Mixture of (alpha, share); shares of zero are left out, as a ramp does."""
-    return ghc.Priorities.mixed(Candidate(alpha, share) for alpha, share in parts if share > 0.0)
+    return Priorities.mixed(Candidate(alpha, share) for alpha, share in parts if share > 0.0)
 
 
 def well_scaled_problem(
-    rng: np.random.Generator, sizes: Sequence[int], n: int, priorities: ghc.Priorities
+    rng: np.random.Generator, sizes: Sequence[int], n: int, priorities: Priorities
 ) -> ghc.ControlProblem:
     """Tasks with rows of length about 1, a posture of all joints where a size is n; no bounds."""
     jacobian = [
@@ -41,7 +42,7 @@ def well_scaled_problem(
     starts = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
     root, bias = rng.normal(size=(n, n)), rng.normal(size=n)
     free = np.full(n, _FREE)
-    torque = ghc.Bounds(bias - free, bias + free)
+    torque = Bounds(bias - free, bias + free)
     return ghc.ControlProblem(
         np.vstack(jacobian),
         target,
@@ -50,7 +51,7 @@ def well_scaled_problem(
         root @ root.T / n + 0.3 * np.eye(n),
         bias,
         np.zeros(n),
-        ghc.Bounds(-free, free),
+        Bounds(-free, free),
         torque,
         torque,
     )
@@ -59,13 +60,13 @@ def well_scaled_problem(
 def bounded(problem: ghc.ControlProblem, x: Array, share: float) -> ghc.ControlProblem:
     """The problem with torques around the bias within a share of the largest one of x (n,)."""
     half = share * np.abs(problem.mass_matrix @ x).max() * np.ones(len(x))
-    torque = ghc.Bounds(problem.bias - half, problem.bias + half)
+    torque = Bounds(problem.bias - half, problem.bias + half)
     return replace(problem, torque=torque, torque_limit=torque)
 
 
 def identical_tasks(rng: np.random.Generator) -> ghc.ControlProblem:
     """Two tasks with the same Jacobian and different targets above a posture, 7 joints."""
-    problem = well_scaled_problem(rng, (3, 3, 7), 7, ghc.Priorities.of(np.zeros((3, 3))))
+    problem = well_scaled_problem(rng, (3, 3, 7), 7, Priorities.of(np.zeros((3, 3))))
     problem.jacobian[3:6] = problem.jacobian[:3]
     return problem
 
@@ -77,7 +78,7 @@ def answer_on_ramp(
     ends: Sequence[Array],
 ) -> Answer:
     """Accelerations of a problem over the share of the second of two orders (k, k)."""
-    solver = ghc.make_formulation(formulation, settings)
+    solver = make_formulation(formulation, settings)
 
     def x(s: float) -> Array:
         mixture = mixed((ends[0], 1.0 - s), (ends[1], s))

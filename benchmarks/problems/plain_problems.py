@@ -11,7 +11,8 @@ import numpy as np
 
 import ghc_controller as ghc
 from ghc_controller.formulations import AccelerationRows, ContactRows
-from ghc_controller.types import Array
+from ghc_controller.hierarchy import Priorities
+from ghc_controller.types import Array, Bounds
 
 _TESTS = str(Path(__file__).resolve().parents[2] / "test")
 if _TESTS not in sys.path:
@@ -24,17 +25,17 @@ if TYPE_CHECKING:
 def control_problem(plain: Plain) -> ghc.ControlProblem:
     """The same problem with velocity 0 and one task per level, in strict order."""
     sizes = [len(level.target) for level in plain.levels]
-    torque = ghc.Bounds(plain.torque_lower, plain.torque_upper)
+    torque = Bounds(plain.torque_lower, plain.torque_upper)
     general, contacts = plain.rows, plain.contacts
     return ghc.ControlProblem(
         np.ascontiguousarray(np.vstack([level.jacobian for level in plain.levels])),
         np.concatenate([level.target for level in plain.levels]),
         np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
-        ghc.Priorities.of(np.tril(np.ones((len(sizes), len(sizes))), -1)),
+        Priorities.of(np.tril(np.ones((len(sizes), len(sizes))), -1)),
         plain.mass,
         plain.bias,
         np.zeros(len(plain.bias)),
-        ghc.Bounds(plain.lower, plain.upper),
+        Bounds(plain.lower, plain.upper),
         torque,
         torque,
         rows=None

@@ -9,6 +9,8 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.random_tasks import strict_matrix
+from ghc_controller.formulations import make_formulation
+from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array
 from ghc_sim_bridge import Simulator
 
@@ -46,7 +48,7 @@ def follow(controller: ghc.Controller, case: Case, duration: float, torque_rate:
     controller.add_transition(
         ghc.Transition(target, start, duration, ghc.Profile.LINEAR, torque_rate=torque_rate), 0.0
     )
-    judge = ghc.make_formulation(controller.formulation.name, controller.settings.optimization)
+    judge = make_formulation(controller.formulation.name, controller.settings.optimization)
     added, tick = 0.0, 0
     while tick * PERIOD < start + _LONGEST:
         before = schedule.in_force
@@ -87,9 +89,9 @@ def whole_change(controller: ghc.Controller, case: Case) -> float:
     for tick in range(round(case.lead / PERIOD) + 1):
         step(tick * PERIOD)
     problem, k = controller.problem(), len(controller.robot.task_names)
-    judge = ghc.make_formulation(controller.formulation.name, controller.settings.optimization)
+    judge = make_formulation(controller.formulation.name, controller.settings.optimization)
     answers = [
-        judge.solve(replace(problem, priorities=ghc.Priorities.of(strict_matrix(order, k)))).torque
+        judge.solve(replace(problem, priorities=Priorities.of(strict_matrix(order, k)))).torque
         for order in (case.begin, case.goal)
     ]
     return float(np.abs(answers[1] - answers[0]).max())

@@ -16,6 +16,8 @@ from benchmarks.problems.order_problems import (
     order,
     well_scaled_problem,
 )
+from ghc_controller.formulations import make_formulation
+from ghc_controller.hierarchy import Priorities
 
 SWAP = order([0], [1], [2], tasks=3), order([1], [0], [2], tasks=3)
 REMOVAL = order([0], [1], [2], tasks=3), order([0], [2], tasks=3)
@@ -38,7 +40,7 @@ def ramps(formulation: str, settings: ghc.FormulationSettings, count: int) -> di
         answer_on_ramp(
             formulation,
             settings,
-            well_scaled_problem(rng, _SIZES, _SIZES[-1], ghc.Priorities.of(REMOVAL[0])),
+            well_scaled_problem(rng, _SIZES, _SIZES[-1], Priorities.of(REMOVAL[0])),
             REMOVAL,
         )
         for _ in range(count)
@@ -59,14 +61,14 @@ def ramps(formulation: str, settings: ghc.FormulationSettings, count: int) -> di
 def difference_to_hqp(formulation: str, settings: ghc.FormulationSettings, count: int) -> float:
     """Largest relative difference of accelerations at strict orders, bounds off and on."""
     rng = np.random.default_rng(SEED)
-    one, other = (ghc.make_formulation(name, settings) for name in (formulation, "hqp"))
+    one, other = (make_formulation(name, settings) for name in (formulation, "hqp"))
     largest = 0.0
     for sizes, n in _STRICT:
         k = len(sizes)
         for _ in range(count):
             depth = [*rng.permutation(k - 1), k - 1]
             alpha = order(*[[int(task)] for task in depth], tasks=k)
-            problem = well_scaled_problem(rng, sizes, n, ghc.Priorities.of(alpha))
+            problem = well_scaled_problem(rng, sizes, n, Priorities.of(alpha))
             tight = bounded(problem, other.solve(problem).acceleration, 0.5)
             for case in (problem, tight):
                 x, expected = (each.solve(case).acceleration for each in (one, other))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import ghc_controller as ghc
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Bounds
 
 _HAND_FIRST = "end_effector > elbow > posture"
 _ELBOW_FIRST = "elbow > end_effector > posture"
@@ -72,7 +72,7 @@ def problems_of(sweep: Sweep) -> Iterator[ghc.ControlProblem]:
             limits = problem.acceleration
             lower = np.maximum(limits.lower, -sweep.box[i])
             upper = np.minimum(limits.upper, sweep.box[i])
-            problem = replace(problem, acceleration=ghc.Bounds(lower, upper))
+            problem = replace(problem, acceleration=Bounds(lower, upper))
         yield problem
 
 

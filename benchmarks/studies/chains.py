@@ -12,6 +12,7 @@ import ghc_controller as ghc
 from benchmarks.problems.chains import SEED, chain_controller, chain_problems
 from benchmarks.problems.problem_check import violation
 from benchmarks.study_results import shown, shown_spread, spread
+from ghc_controller.formulations import SolutionStatus, make_formulation
 from ghc_controller.qp import SolverSettings
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
@@ -28,8 +29,8 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     joints, count = (_QUICK_JOINTS, _QUICK) if quick else (_JOINTS, _COUNT)
     found: dict[str, dict[str, Any]] = {name: {} for name in formulations}
     for size in joints:
-        controller, free = chain_controller(size), ghc.make_formulation("cascade")
-        solvers = {name: ghc.make_formulation(name) for name in formulations}
+        controller, free = chain_controller(size), make_formulation("cascade")
+        solvers = {name: make_formulation(name) for name in formulations}
         records: dict[tuple[str, str], _Record] = defaultdict(_Record)
         for number, case in enumerate(chain_problems(controller, free, count)):
             for name, formulation in solvers.items():
@@ -46,7 +47,7 @@ class _Record:
     """What one formulation did on one kind of problems."""
 
     def __init__(self) -> None:
-        self.status: Counter[str] = Counter({s.name: 0 for s in ghc.SolutionStatus})
+        self.status: Counter[str] = Counter({s.name: 0 for s in SolutionStatus})
         self.pivots: list[int] = []
         self.times: list[float] = []  # [ms]
         self.active: list[int] = []
@@ -63,7 +64,7 @@ class _Record:
         self.pivots.append(used)
         self.beyond_cap += used > CAP
         self.status[solution.status.name] += 1
-        if solution.status is ghc.SolutionStatus.SOLVED:
+        if solution.status is SolutionStatus.SOLVED:
             self.worst = max(self.worst, violation(problem, solution))
             self.active.append(_active(problem, solution.acceleration))
 
@@ -96,7 +97,7 @@ def table(result: dict[str, Any]) -> str:
     head = [
         "formulation",
         "problems",
-        *(status.name for status in ghc.SolutionStatus),
+        *(status.name for status in SolutionStatus),
         "beyond cap",
     ]
     head += ["pivots of a step", "active bounds", "worst violation [rad/s^2, Nm]", "CPU [ms]"]
@@ -104,7 +105,7 @@ def table(result: dict[str, Any]) -> str:
     for name, kinds in result["formulations"].items():
         for kind, row in kinds.items():
             cells = [
-                *(name, kind, *(str(row["status"][s.name]) for s in ghc.SolutionStatus)),
+                *(name, kind, *(str(row["status"][s.name]) for s in SolutionStatus)),
                 *(str(row["beyond_cap"]), shown_spread(row["pivots"])),
                 *(shown_spread(row["active"]), shown(row["worst_violation"], ".1e")),
                 shown_spread(row["cpu_ms"]),

@@ -8,7 +8,9 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.study_results import shown
-from ghc_controller.hierarchy import generalized_projectors, smallest_singular_value
+from ghc_controller.formulations import make_formulation
+from ghc_controller.hierarchy import Priorities, generalized_projectors, smallest_singular_value
+from ghc_controller.types import Bounds
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "duplicates"
@@ -33,7 +35,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     }
     found = {}
     for name in formulations:
-        solution = ghc.make_formulation(name, ghc.FormulationSettings(_DAMPING)).solve(problem)
+        solution = make_formulation(name, ghc.FormulationSettings(_DAMPING)).solve(problem)
         rest = np.split(
             problem.jacobian @ solution.acceleration - problem.target, problem.starts[1:-1]
         )
@@ -49,14 +51,12 @@ def _duplicate() -> ghc.ControlProblem:
     rng = np.random.default_rng(_SEED)
     J, x = rng.normal(size=(2, 7)), rng.normal(size=7)
     jacobian = np.ascontiguousarray(np.vstack([J, J, np.eye(7)[:2]]))
-    free = ghc.Bounds(np.full(7, -np.inf), np.full(7, np.inf))
+    free = Bounds(np.full(7, -np.inf), np.full(7, np.inf))
     return ghc.ControlProblem(
         jacobian=jacobian,
         target=jacobian @ x,
         starts=np.array([0, 2, 4, 6], dtype=np.int64),
-        priorities=ghc.Priorities.of(
-            np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-        ),
+        priorities=Priorities.of(np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])),
         velocity=np.zeros(7),
         mass_matrix=np.eye(7),
         bias=np.zeros(7),

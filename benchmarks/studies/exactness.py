@@ -14,6 +14,7 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.problems.plain_problems import cells, control_problem, rounded, spread
+from ghc_controller.formulations import make_formulation
 
 if TYPE_CHECKING:
     from reference.hard_cascade import Reference
@@ -36,7 +37,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     from reference.problems import MASS_CONDITION, SINGULAR_VALUES, well_scaled
 
     settings = ghc.FormulationSettings(regularization=DAMPING)
-    solvers = {name: ghc.make_formulation(name, settings) for name in formulations}
+    solvers = {name: make_formulation(name, settings) for name in formulations}
     kept = kept_damping(DAMPING)  # each is compared under its own damping
     rules = {name: kept if name == "cascade" else DAMPING for name in formulations}
     rules["reference"] = DAMPING

@@ -15,6 +15,7 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.problems.plain_problems import control_problem, rounded
+from ghc_controller.formulations import make_formulation
 from ghc_controller.qp import SolverSettings
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     from reference.hard_problems import hard_problems
 
     settings = ghc.FormulationSettings(regularization=DAMPING)
-    solvers = {name: ghc.make_formulation(name, settings) for name in formulations}
+    solvers = {name: make_formulation(name, settings) for name in formulations}
     records = {name: _Record() for name in formulations}
     count, feasible = _QUICK if quick else _ALL, 0
     for index, (kind, plain) in enumerate(hard_problems(count)):

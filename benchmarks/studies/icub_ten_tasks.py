@@ -10,6 +10,7 @@ import ghc_controller as ghc
 from benchmarks.icub_states import SEED, icub_controller, ten_task_problem, ten_task_states
 from benchmarks.problems.problem_check import is_feasible, violation
 from benchmarks.study_results import shown, spread
+from ghc_controller.formulations import SolutionStatus, make_formulation
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "icub_ten_tasks"
@@ -23,8 +24,8 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     count = _QUICK if quick else _STATES
     controller = icub_controller("hqp")  # it only sets up the problems
     settings = ghc.Settings().optimization
-    solvers = {name: ghc.make_formulation(name, settings) for name in formulations}
-    status = {name: Counter({s.name: 0 for s in ghc.SolutionStatus}) for name in formulations}
+    solvers = {name: make_formulation(name, settings) for name in formulations}
+    status = {name: Counter({s.name: 0 for s in SolutionStatus}) for name in formulations}
     wrong = dict.fromkeys(formulations, 0)
     worst = dict.fromkeys(formulations, 0.0)
     times: dict[str, list[float]] = {name: [] for name in formulations}
@@ -40,7 +41,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
             solution = formulation.solve(problem)
             times[name].append(1e3 * (thread_time() - begin))
             status[name][solution.status.name] += 1
-            if solution.status is ghc.SolutionStatus.SOLVED:
+            if solution.status is SolutionStatus.SOLVED:
                 worst[name] = max(worst[name], violation(problem, solution))
             else:
                 wrong[name] += possible
@@ -64,7 +65,7 @@ def table(result: dict[str, Any]) -> str:
     facts = result["facts"]
     lines = []
     for name, row in result["formulations"].items():
-        counts = [str(row["status"][status.name]) for status in ghc.SolutionStatus]
+        counts = [str(row["status"][status.name]) for status in SolutionStatus]
         cpu = row["cpu_ms"]
         lines.append(
             [
@@ -72,7 +73,7 @@ def table(result: dict[str, Any]) -> str:
                 f"{shown(cpu['median'])} / {shown(cpu['p95'])} / {shown(cpu['max'])}",
             ]
         )
-    head = ["formulation", *(status.name for status in ghc.SolutionStatus), "wrong"]
+    head = ["formulation", *(status.name for status in SolutionStatus), "wrong"]
     head += ["worst violation of SOLVED [rad/s^2, Nm, N]", "CPU median / p95 / max [ms]"]
     return (
         f"{facts['states']} states at rest (seed {facts['seed']}), arms, torso and neck moved, "

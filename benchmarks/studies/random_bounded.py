@@ -12,6 +12,7 @@ from benchmarks.problems.bounded_problems import SEED, SIZES, bounded_problems
 from benchmarks.problems.problem_check import violation
 from benchmarks.problems.reference_cascade import Damping
 from benchmarks.study_results import shown, shown_spread, spread
+from ghc_controller.formulations import SolutionStatus, make_formulation
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "random_bounded"
@@ -28,8 +29,8 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     count = _QUICK if quick else _PROBLEMS
     settings = ghc.Settings().optimization
     w = settings.regularization
-    solvers = {name: ghc.make_formulation(name, settings) for name in formulations}
-    status = {name: Counter({s.name: 0 for s in ghc.SolutionStatus}) for name in formulations}
+    solvers = {name: make_formulation(name, settings) for name in formulations}
+    status = {name: Counter({s.name: 0 for s in SolutionStatus}) for name in formulations}
     rules: dict[str, float | Damping] = {
         name: kept_damping(w) if name == "cascade" else w for name in formulations
     }
@@ -49,7 +50,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
         for name, formulation in solvers.items():
             solution = formulation.solve(problem)
             status[name][solution.status.name] += 1
-            if solution.status is not ghc.SolutionStatus.SOLVED:
+            if solution.status is not SolutionStatus.SOLVED:
                 continue
             worst[name] = max(worst[name], violation(problem, solution))
             residuals = [

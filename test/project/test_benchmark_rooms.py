@@ -19,7 +19,7 @@ PACKAGES = ("ghc_controller", "ghc_mpc_constraints", "ghc_sim_bridge")
 ALLOWED = {
     "ghc_controller.constraints": "the boxes are made and timed on their own",
     "ghc_controller.errors": "which error a law raises is a result",
-    "ghc_controller.formulations": "options of a formulation; the closed forms of the baselines",
+    "ghc_controller.formulations": "solved on their own; options; closed forms of the baselines",
     "ghc_controller.hierarchy": "levels, mixtures and projectors are what is studied",
     "ghc_controller.kinematics": "the velocity level, a library of its own without a face",
     "ghc_controller.model.robot_model": "robots without a robot.yaml: planar chains",
@@ -31,7 +31,7 @@ ALLOWED = {
     "ghc_controller.robot.library": "the path of a robot.yaml that is to be changed",
     "ghc_controller.ros": "nodes that drive nodes",
     "ghc_controller.tasks": "tasks of a robot without a robot.yaml",
-    "ghc_controller.types": "names of types",
+    "ghc_controller.types": "arrays and bounds of problems made here",
     "ghc_mpc_constraints.obstacle_motion.approach": "the reaction time is swept",
     "ghc_mpc_constraints.ros.conversions": "nodes that drive nodes",
     "ghc_sim_bridge.analysis.metrics": "the figures of a run, counted as everywhere",

@@ -14,6 +14,8 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.compare.runs.closed_loop import Change
+from ghc_controller.formulations import SolutionStatus, make_formulation
+from ghc_controller.hierarchy import Priorities
 from ghc_controller.hierarchy.levels import is_order, levels
 from ghc_controller.hierarchy.priorities import Candidate
 
@@ -37,7 +39,7 @@ def strictness(
     formulation: str, settings: ghc.FormulationSettings, problems: Iterable[ghc.ControlProblem]
 ) -> Strictness:
     """Over all levels but the last of each problem whose matrix is an order."""
-    solver = ghc.make_formulation(formulation, settings)
+    solver = make_formulation(formulation, settings)
     first: list[float] = []
     bounded: list[float] = []
     free: list[float] = []
@@ -50,7 +52,7 @@ def strictness(
         for depth in range(1, len(order)):
             alone = solver.solve(_upper(problem, order, depth))
             met = met or alone.qp_solved
-            answered = ghc.SolutionStatus.FAILED not in (whole.status, alone.status)
+            answered = SolutionStatus.FAILED not in (whole.status, alone.status)
             losses.append(_loss(problem, order[depth - 1], whole, alone) if answered else math.nan)
         if np.isnan(losses).any():
             continue  # no answer, no loss: counted as a step that is not SOLVED
@@ -77,7 +79,7 @@ def _upper(problem: ghc.ControlProblem, order: list[list[int]], depth: int) -> g
         upper[k, sorted(kept)] = 1.0
         upper[sorted(set(range(k)) - kept), k] = 1.0
         starts = np.append(starts, starts[-1])
-    return replace(problem, starts=starts, priorities=ghc.Priorities.of(upper))
+    return replace(problem, starts=starts, priorities=Priorities.of(upper))
 
 
 def _loss(
@@ -108,13 +110,13 @@ def ramp_step(
 def _largest_step(
     formulation: str, settings: ghc.FormulationSettings, change: Change
 ) -> float | None:
-    solver = ghc.make_formulation(formulation, settings)
+    solver = make_formulation(formulation, settings)
     torques = []
     for share in np.linspace(0.0, 1.0, STEPS + 1):
         pairs = (Candidate(change.before, 1.0 - share), Candidate(change.after, share))
-        mixture = ghc.Priorities.mixed(pair for pair in pairs if pair.share > 0.0)
+        mixture = Priorities.mixed(pair for pair in pairs if pair.share > 0.0)
         answer = solver.solve(replace(change.problem, priorities=mixture))
-        if answer.status is ghc.SolutionStatus.FAILED:
+        if answer.status is SolutionStatus.FAILED:
             return None
         torques.append(answer.torque)
     path = np.array(torques)

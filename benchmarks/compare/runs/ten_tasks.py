@@ -15,6 +15,7 @@ from benchmarks.compare.runs.closed_loop import Change
 from benchmarks.compare.runs.probes import LEAST_TARGET, ramp_step, strictness
 from benchmarks.icub_states import begin, icub_controller, ten_task_states
 from benchmarks.random_tasks import strict_matrix
+from ghc_controller.formulations import SolutionStatus
 from ghc_controller.hierarchy.priorities import Candidate
 from ghc_controller.types import Array
 
@@ -47,7 +48,7 @@ def run_ten_tasks(method: Method, quick: bool) -> Result:
         counts.append((qps, pivots, operations + law))
         problems.append(copy.deepcopy(controller.problem()))
         unsolved += result.status is not ghc.StepStatus.SOLVED
-        if result.solution.status is not ghc.SolutionStatus.FAILED:
+        if result.solution.status is not SolutionStatus.FAILED:
             misses.append(_misses(problems[-1], case.order, result.solution.acceleration))
         if number < _RAMPS:
             first, second, *rest = case.order

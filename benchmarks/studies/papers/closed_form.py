@@ -12,7 +12,7 @@ import ghc_controller as ghc
 from benchmarks.problems.closed_form_laws import PROJECTORS, ClosedForm
 from benchmarks.study_results import shown
 from benchmarks.switching_loop import Timing, make_run, target_references
-from ghc_controller.formulations import Metric
+from ghc_controller.formulations import Metric, make_formulation
 from ghc_controller.types import Array
 from ghc_sim_bridge import SimulationDiverged, Simulator
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
@@ -50,9 +50,7 @@ _LAWS: dict[str, Callable[[], ghc.Formulation]] = {
 
 
 def _ghc(metric: Metric) -> ghc.Formulation:
-    return ghc.make_formulation(
-        "ghc", ghc.FormulationSettings(velocity_damping=0.0, metric=metric)
-    )
+    return make_formulation("ghc", ghc.FormulationSettings(velocity_damping=0.0, metric=metric))
 
 
 def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:

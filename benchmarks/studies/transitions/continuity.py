@@ -9,6 +9,7 @@ import numpy as np
 import ghc_controller as ghc
 from benchmarks.ramps.sweeps import problems_of, sweeps
 from benchmarks.study_results import shown
+from ghc_controller.formulations import SolutionStatus, make_formulation
 from ghc_sim_bridge.programs.markdown import table as markdown_table
 
 NAME = "continuity"
@@ -25,9 +26,9 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
     for sweep in sweeps(points):
         problems = list(problems_of(sweep))
         for name in formulations:
-            formulation = ghc.make_formulation(name, settings)
+            formulation = make_formulation(name, settings)
             answers = [formulation.solve(problem) for problem in problems]
-            solved = [a.torque for a in answers if a.status is ghc.SolutionStatus.SOLVED]
+            solved = [a.torque for a in answers if a.status is SolutionStatus.SOLVED]
             path = np.array(solved)
             steps = np.abs(np.diff(path, axis=0)).max(axis=1)
             found[name][sweep.title] = {

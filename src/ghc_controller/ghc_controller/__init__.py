@@ -18,10 +18,7 @@ if TYPE_CHECKING:
     from ghc_controller.formulations import FORMULATIONS as FORMULATIONS
     from ghc_controller.formulations import Formulation as Formulation
     from ghc_controller.formulations import FormulationSettings as FormulationSettings
-    from ghc_controller.formulations import SolutionStatus as SolutionStatus
-    from ghc_controller.formulations import make_formulation as make_formulation
     from ghc_controller.formulations import register_formulation as register_formulation
-    from ghc_controller.hierarchy import Priorities as Priorities
     from ghc_controller.hierarchy import PriorityMatrix as PriorityMatrix
     from ghc_controller.hierarchy import Profile as Profile
     from ghc_controller.hierarchy import Transition as Transition
@@ -47,13 +44,11 @@ if TYPE_CHECKING:
     from ghc_controller.settings import register_constraint as register_constraint
     from ghc_controller.tasks.registry import register_task as register_task
     from ghc_controller.tasks.task import Task as Task
-    from ghc_controller.types import Bounds as Bounds
     from ghc_controller.types import RobotState as RobotState
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Bounds": "types",
     "Contact": "contacts.contact",
     "ControlProblem": "problem.control_problem",
     "Controller": "controller",
@@ -61,7 +56,6 @@ _HOMES = {
     "Formulation": "formulations",
     "FormulationSettings": "formulations",
     "GhcError": "errors",
-    "Priorities": "hierarchy",
     "PriorityMatrix": "hierarchy",
     "Profile": "hierarchy",
     "QpSolver": "qp",
@@ -71,14 +65,12 @@ _HOMES = {
     "RobotState": "types",
     "Settings": "settings",
     "Solution": "problem.solution",
-    "SolutionStatus": "formulations",
     "StepResult": "report.report",
     "StepStatus": "report.report",
     "Task": "tasks.task",
     "Transition": "hierarchy",
     "list_robots": "robot.library",
     "load_robot": "robot.library",
-    "make_formulation": "formulations",
     "matrix_from_hierarchy": "hierarchy",
     "TaskEntry": "robot.task_entries",
     "center_of_mass": "robot.task_entries",
