@@ -5,11 +5,9 @@ Names are loaded when they are first used, so that a program pays for what it us
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
-
-from ghc_controller.migration.finder import install
-from ghc_controller.migration.names import Kind, hint
 
 if TYPE_CHECKING:
     from ghc_controller.contacts.contact import Contact as Contact
@@ -86,11 +84,10 @@ _HOMES = {
 __all__ = ["__version__", *_HOMES]
 
 
-install()  # of modules that have moved
-
-
 def __getattr__(name: str) -> object:
     if name not in _HOMES:
+        from ghc_controller.migration.names import Kind, hint  # not before it is needed
+
         words = hint(Kind.NAME, name)
         reason = f"'{name}': {words}" if words else f"'{name}'"
         raise AttributeError(f"module '{__name__}' has no attribute {reason}")
@@ -101,3 +98,18 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+class _OldModules:
+    """Finder that Python tries last, for modules of this project that no other one has found."""
+
+    @staticmethod
+    def find_spec(fullname: str, *_: object) -> None:
+        """Find nothing; ModuleNotFoundError with the new name for one of an earlier version."""
+        if fullname.startswith(("ghc_controller.", "ghc_mpc_constraints.", "ghc_sim_bridge.")):
+            from ghc_controller.migration.moved import raise_if_moved  # not before it is needed
+
+            raise_if_moved(fullname)
+
+
+sys.meta_path.append(_OldModules)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ghc_controller.migration.finder import install
+import ghc_controller  # noqa: F401  (it answers for modules that have moved)
 
 if TYPE_CHECKING:
     from ghc_mpc_constraints.force_bounds import contact_force_bounds, contact_schedule
@@ -30,8 +30,6 @@ _HOMES = {
     "ObstacleSettings": "obstacle_motion.obstacle_bounds",
 }
 __all__ = [*_HOMES]
-
-install()  # of modules that have moved
 
 
 def __getattr__(name: str) -> object:

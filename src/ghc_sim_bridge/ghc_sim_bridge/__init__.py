@@ -5,14 +5,12 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ghc_controller.migration.finder import install
+import ghc_controller  # noqa: F401  (it answers for modules that have moved)
 
 if TYPE_CHECKING:
     from ghc_sim_bridge.errors import SimulationDiverged as SimulationDiverged
     from ghc_sim_bridge.scene.description import load_scene as load_scene
     from ghc_sim_bridge.simulation.simulator import Simulator as Simulator
-
-install()  # of modules that have moved
 
 _HOMES = {
     "SimulationDiverged": "errors",
