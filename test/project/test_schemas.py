@@ -79,13 +79,13 @@ def test_every_kind_of_task_and_every_text_is_in_the_schema() -> None:
         schema = schema_of(kind)
         for record in (schema, *schema["definitions"].values()):
             for name, field in record["properties"].items():
-                assert {"$ref", "anyOf"} & set(field) or field["description"], name
+                assert field["description"], name
 
 
 MISTAKES: list[tuple[str, str, dict[str, Any], str]] = [
     ("robot", "kuka_lwr", {"floating_base": "no"}, ".floating_base: boolean expected"),
     ("robot", "kuka_lwr", {"colour": "red"}, ".colour: unknown"),
-    ("robot", "kuka_lwr", {"limits": {"torque_rate": 0}}, ".limits.torque_rate: "),
+    ("robot", "kuka_lwr", {"limits": {"torque_rate": 0}}, ".limits.torque_rate: out of range"),
     ("robot", "kuka_lwr", {"settings": {"metric": "x"}}, ".settings.metric: another value"),
     ("robot", "kuka_lwr", {"tasks": []}, ".tasks: too short"),
     (

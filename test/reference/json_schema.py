@@ -30,8 +30,9 @@ def problems(value: Any, schema: dict[str, Any], root: dict[str, Any], at: str =
     found = list(_own(value, schema, at))
     for part in schema.get("allOf", ()):
         found += problems(value, part, root, at)
-    if "anyOf" in schema and all(problems(value, part, root, at) for part in schema["anyOf"]):
-        found.append(f"{at}: none of the forms fits")
+    forms = [problems(value, part, root, at) for part in schema.get("anyOf", ())]
+    if forms and all(forms):
+        found += [f"{at}: none of the forms fits", *(text for form in forms for text in form)]
     if "if" in schema and not problems(value, schema["if"], root, at):
         found += problems(value, schema["then"], root, at)
     if isinstance(value, dict):

@@ -51,8 +51,11 @@ def _with_variants(scenario: JsonSchema) -> JsonSchema:
     variant = {
         "type": "object",
         "properties": {
-            name: {"anyOf": [{"$ref": f"#/properties/{name}"}, {"type": "null"}]}
-            for name in fields
+            name: {
+                "description": field["description"],
+                "anyOf": [{"$ref": f"#/properties/{name}"}, {"type": "null"}],
+            }
+            for name, field in fields.items()
         },
         "additionalProperties": False,
     }
