@@ -12,9 +12,10 @@ import numpy as np
 import ghc_controller as ghc
 from ghc_controller.types import Array
 from ghc_sim_bridge import SimulationDiverged, Simulator
+from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.references import ReferencePoint
 from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
-from ghc_sim_bridge.scenario.scenario import Scenario, load_scenario
+from ghc_sim_bridge.scenario.scenario import load_scenario
 
 SCENARIO = "fencing"
 LARGEST_SPEED = 100.0  # [rad/s] norm of all joints: beyond it a run has stopped

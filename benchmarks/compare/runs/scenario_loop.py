@@ -14,10 +14,11 @@ from benchmarks.compare.runs.measures import measure
 from benchmarks.fencing_loop import start
 from ghc_controller.robot.library import find_robot
 from ghc_sim_bridge import Simulator
+from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.plan import PlannedPhase, RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
-from ghc_sim_bridge.scenario.scenario import Scenario, load_scenario
+from ghc_sim_bridge.scenario.scenario import load_scenario
 
 _LIMITS = ("velocity_limit", "position_limits", "velocity_limits")  # of the scenario's parameters
 _QUICK_RAMP, _QUICK_HOLD = 0.02, 0.02  # [s]

@@ -11,9 +11,10 @@ from pathlib import Path
 
 from ghc_controller.errors import GhcError
 from ghc_sim_bridge.run.interrupts import interruptible
+from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.plan import MODES, RECORD_MODES, RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan, parse_parameter
-from ghc_sim_bridge.scenario.scenario import Scenario, load_scenario, scenario_names
+from ghc_sim_bridge.scenario.scenario import load_scenario, scenario_names
 
 # Choice -> whether generators smooth, run by run; without one first, None where there are none.
 _SIDES: Mapping[str | None, tuple[bool | None, ...]] = {

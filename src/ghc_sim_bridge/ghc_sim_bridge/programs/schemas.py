@@ -21,7 +21,8 @@ from ghc_controller.robot.fields import RobotFields
 from ghc_controller.schema.json_schema import JsonSchema, SchemaWriter
 from ghc_controller.settings import Settings
 from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
-from ghc_sim_bridge.scenario.scenario import CHECKED, Scenario
+from ghc_sim_bridge.scenario.fields import Scenario
+from ghc_sim_bridge.scenario.node_sections import CHECKED
 from ghc_sim_bridge.scene.values import SceneDescription
 
 FOLDER = "schemas"

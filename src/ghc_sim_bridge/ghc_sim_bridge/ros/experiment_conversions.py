@@ -8,8 +8,8 @@ from builtin_interfaces.msg import Duration, Time
 from ghc_msgs.msg import ContactSchedule, PriorityTransition, TaskReference, TaskReferencePoint
 
 from ghc_controller.ros.time import time_from_seconds
+from ghc_sim_bridge.scenario.phase import PriorityTable
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
-from ghc_sim_bridge.scenario.scenario import PriorityTable
 from ghc_sim_bridge.scenario.schedules import ScriptedSchedule
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from hashlib import sha1
 from pathlib import Path
 
-from ghc_sim_bridge.scenario.scenario import Scenario, find_scenario, scenario_names
+from ghc_sim_bridge.scenario.fields import Scenario
+from ghc_sim_bridge.scenario.scenario import find_scenario, scenario_names
 
 MARK = ".scenario"  # file that says whose folder it is: the path of the scenario's file
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ghc_sim_bridge.scenario.scenario import Phase, Scenario
+from ghc_sim_bridge.scenario.fields import Scenario
+from ghc_sim_bridge.scenario.phase import Phase
 
 MODES = ("lockstep", "realtime")
 RECORD_MODES = ("decimated", "full")

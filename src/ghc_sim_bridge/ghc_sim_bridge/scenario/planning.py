@@ -14,9 +14,12 @@ from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import FORMULATIONS, blending_formulations
 from ghc_controller.robot.library import find_robot
 from ghc_mpc_constraints.generators import GENERATORS
+from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.home import results_home
 from ghc_sim_bridge.scenario.keyframe_references import keyframe_references
+from ghc_sim_bridge.scenario.node_sections import NODES
 from ghc_sim_bridge.scenario.parameters import node_parameters
+from ghc_sim_bridge.scenario.phase import Phase
 from ghc_sim_bridge.scenario.plan import (
     MODES,
     RECORD_MODES,
@@ -25,7 +28,6 @@ from ghc_sim_bridge.scenario.plan import (
     RunPlan,
 )
 from ghc_sim_bridge.scenario.robot_changes import names_of
-from ghc_sim_bridge.scenario.scenario import NODES, Phase, Scenario
 
 
 def parse_parameter(text: str) -> tuple[str, str, Any]:

@@ -1,0 +1,42 @@
+"""Sections of a scenario that give parameters to nodes: by node, and by formulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ghc_controller.formulations import FORMULATIONS
+from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
+from ghc_mpc_constraints.generators import GENERATORS
+from ghc_sim_bridge.scenario.schedules import generator_parameters
+
+CHECKED: Mapping[str, type] = {
+    "controller": ControllerParameters,
+    **{name: generator_parameters(name) for name in GENERATORS.built_in},
+}
+NODES = ("sim_bridge", "controller", "recorder", "viewer")  # and the generators
+
+
+def read_parameters(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
+    """Node -> its parameters; those of controller and generators are checked here."""
+    fields = scenario.section(name, optional=True)
+    for node in fields.given():
+        if node not in NODES and node not in GENERATORS:
+            known = ", ".join((*NODES, *GENERATORS))
+            raise fields.error(node, f"unknown node; known: {known}")
+        if node in CHECKED or node in GENERATORS:
+            read(fields.section(node), CHECKED.get(node) or generator_parameters(node))
+    return {node: fields.section(node).values for node in fields.given()}
+
+
+def read_formulations(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
+    """Formulation -> parameters of the controller."""
+    fields = scenario.section(name, optional=True)
+    for formulation in fields.given():
+        if formulation not in FORMULATIONS:
+            known = ", ".join(FORMULATIONS)
+            raise fields.error(formulation, f"unknown formulation; known: {known}")
+        read(fields.section(formulation), ControllerParameters)
+    return {formulation: fields.section(formulation).values for formulation in fields.given()}
