@@ -125,7 +125,7 @@ def test_a_stream_moves_the_robot_to_its_target(operator: Operator, start_node: 
             "a task of a position, an orientation or a pose",
         ),
         (("robot:=kuka_lwr", "stamps:=wall"), "'wall' given; known: header, arrival"),
-        (("robot:=kuka_lwr", "velocity_share:=2.0"), "at most 1 expected"),
+        (("robot:=kuka_lwr", "velocity_share:=2.0"), "in (0, 1] expected, 2.0 given"),
     ],
 )
 def test_parameters_that_cannot_be_used_are_refused(

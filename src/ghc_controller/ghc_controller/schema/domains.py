@@ -46,7 +46,7 @@ class Range(Domain):
     @property
     def words(self) -> str:
         """Such as > 0."""
-        return self._limits().strip().replace("above", ">").replace(">=", "≥")
+        return self._limits().strip().replace("above", ">").replace(">=", "≥").replace("<=", "≤")
 
     def schema(self) -> dict[str, Any]:
         """minimum, exclusiveMinimum, maximum."""
@@ -61,11 +61,15 @@ class Range(Domain):
         return self.minimum <= value <= self.maximum and value > self.above
 
     def _limits(self) -> str:
-        if math.isfinite(self.maximum) and math.isfinite(self.minimum):
-            return f" in [{self.minimum:g}, {self.maximum:g}]"
-        if self.above > -math.inf:
+        closed, opened = math.isfinite(self.minimum), math.isfinite(self.above)
+        if math.isfinite(self.maximum) and (closed or opened):
+            lowest = f"({self.above:g}" if opened else f"[{self.minimum:g}"
+            return f" in {lowest}, {self.maximum:g}]"
+        if math.isfinite(self.maximum):
+            return f" <= {self.maximum:g}"
+        if opened:
             return f" above {self.above:g}"
-        return f" >= {self.minimum:g}" if self.minimum > -math.inf else ""
+        return f" >= {self.minimum:g}" if closed else ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,14 +66,14 @@ class ReachableTargetsNode:
         self.executor = p.executor
         robot = load_robot(p.robot)
         tasks = p.tasks or (robot.tasks[0].name,)
-        self._reference = ReachableReference(robot, tasks, p.settings(), p.posture)
+        self._reference = ReachableReference(robot, tasks, p.settings, p.posture)
         for stream in self._reference.streams.values():
             check_kind(stream.task)
         self._warm_up(robot.model.nv)
         self._reader = JointStateReader(robot.model.joint_names)
         self._decoder = JointStateDecoder(read_joint_state)
         self._rejections = Rejections()
-        self._period_ns = round(p.period * NANOSECONDS)
+        self._period_ns = round(p.settings.period * NANOSECONDS)
         self._now_ns = -1  # of the last state
         self._due_ns = 0  # of the next plan
         self._epoch: int | None = None
