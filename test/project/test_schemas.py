@@ -86,6 +86,8 @@ MISTAKES: list[tuple[str, str, dict[str, Any], str]] = [
     ("robot", "kuka_lwr", {"floating_base": "no"}, ".floating_base: boolean expected"),
     ("robot", "kuka_lwr", {"colour": "red"}, ".colour: unknown"),
     ("robot", "kuka_lwr", {"limits": {"torque_rate": 0}}, ".limits.torque_rate: out of range"),
+    ("robot", "kuka_lwr", {"limits": {"velocity": -1}}, ".limits.velocity: out of range"),
+    ("robot", "kuka_lwr", {"limits": {"torque": {"joint_1": 0}}}, ".torque.joint_1: out of range"),
     ("robot", "kuka_lwr", {"settings": {"metric": "x"}}, ".settings.metric: another value"),
     ("robot", "kuka_lwr", {"tasks": []}, ".tasks: too short"),
     (

@@ -123,7 +123,7 @@ def test_the_changed_file_is_written_once_and_follows_its_source(tmp_path: Path)
         ({"locked": ["hinge"]}, UnknownName, "unknown joint of .*'hinge'"),
         ({"frames": {"a": {"link": "b", "position": [0, 0, 0]}}}, UnknownName, "'b'"),
         ({"frames": {"a": {"link": "tool"}}}, ConfigurationError, "urdf.frames.a.position"),
-        ({"roof": "tool"}, ConfigurationError, "urdf: the path of a file"),
+        ({"roof": "tool"}, ConfigurationError, "urdf.roof: unknown field; known: file, package"),
         ({"locked": "joint_7"}, ConfigurationError, "urdf.locked: a list of names"),
         ({"file": "robot.yaml", "locked": ["joint_7"]}, ConfigurationError, "be read as XML"),
     ],

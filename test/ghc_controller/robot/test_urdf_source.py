@@ -65,8 +65,8 @@ def test_a_package_that_is_missing_is_named_with_how_to_get_it() -> None:
         (ENTRY | {"file": "share/toy/three.urdf"}, "'toy-models' has no file 'share/toy/three"),
         (None, "the path of a file, or {package: name, file: path} expected, None given"),
         ("", "'' given"),
-        ({"package": "toy-models"}, "{'package': 'toy-models'} given"),
-        (ENTRY | {"file": 3}, "'file': 3} given"),
+        ({"package": "toy-models"}, "urdf.file: missing; given: package"),
+        (ENTRY | {"file": 3}, "urdf.file: a non-empty text expected, 3 given"),
     ],
 )
 def test_what_is_no_urdf_is_refused_in_one_line(

@@ -44,9 +44,17 @@ class LimitFields:
     """The section `limits` of robot.yaml."""
 
     velocity: Limit = declared(
-        "a number, or joint: number; left out = of the URDF", None, unit="rad/s"
+        "a number, or joint: number; left out = of the URDF",
+        None,
+        unit="rad/s",
+        schema=_positive_schema,
     )
-    torque: Limit = declared("a number, or joint: number; left out = of the URDF", None, unit="Nm")
+    torque: Limit = declared(
+        "a number, or joint: number; left out = of the URDF",
+        None,
+        unit="Nm",
+        schema=_positive_schema,
+    )
     torque_rate: Limit = declared(
         "largest change of torque: a number, or joint: number (others 1000); left out = 1000",
         None,

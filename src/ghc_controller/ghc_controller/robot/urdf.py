@@ -28,7 +28,6 @@ from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 
 PACKAGE_SCHEME = "package://"
-_CHANGES = ("root", "locked", "frames")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,40 +57,33 @@ def find_urdf(entry: object, robot_file: Path) -> Path:
             how to get it. Whether a file beside robot.yaml exists is left to whoever opens it.
         UnknownName: a link or joint to be changed that the URDF has not.
     """
-    package, file = _read(entry, robot_file)
-    urdf = _in_package(package, file, robot_file) if package else robot_file.parent / file
-    return _changes(entry, robot_file).write(urdf, resource_path)
+    given = _read(entry, robot_file)
+    urdf = robot_file.parent / given.file
+    if given.package:
+        urdf = _in_package(given.package, given.file, robot_file)
+    frames = {name: (at.link, np.array(at.position)) for name, at in given.frames.items()}
+    return UrdfChanges(given.root, given.locked, frames).write(urdf, resource_path)
 
 
 def package_of(entry: object, robot_file: Path) -> str:
     """Name of the Python package that a URDF comes with; empty for one beside robot.yaml.
 
     Raises:
-        ConfigurationError: the field is neither a path nor package and file.
+        ConfigurationError: the field is neither a path nor such a section.
     """
-    return _read(entry, robot_file)[0]
+    return _read(entry, robot_file).package
 
 
-def _read(entry: object, robot_file: Path) -> tuple[str, str]:
-    """Package, empty for none, and file."""
+def _read(entry: object, robot_file: Path) -> UrdfFields:
+    """The field `urdf`: a section, or the path alone."""
     if isinstance(entry, str) and entry:
-        return "", entry
-    if isinstance(entry, Mapping) and {"file"} < set(entry) <= {"package", "file", *_CHANGES}:
-        package, file = entry.get("package", "-"), entry["file"]
-        if isinstance(package, str) and isinstance(file, str) and package and file:
-            return "" if "package" not in entry else package, file
+        return UrdfFields(entry)
+    if isinstance(entry, Mapping):
+        return read(Fields(entry, robot_file, "urdf"), UrdfFields)
     raise ConfigurationError(
         f"{robot_file}: urdf: the path of a file, or {{package: name, file: path}} expected,"
         f" {entry!r} given"
     )
-
-
-def _changes(entry: object, robot_file: Path) -> UrdfChanges:
-    if not isinstance(entry, Mapping):
-        return UrdfChanges()
-    given = read(Fields(entry, robot_file, "urdf"), UrdfFields)
-    frames = {name: (at.link, np.array(at.position)) for name, at in given.frames.items()}
-    return UrdfChanges(given.root, given.locked, frames)
 
 
 def resource_path(uri: str, urdf: Path) -> Path:

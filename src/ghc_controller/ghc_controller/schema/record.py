@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import is_dataclass
 from enum import Enum
-from types import NoneType
+from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin
 
 from ghc_controller.errors import InvalidField, InvalidValue
@@ -183,6 +183,6 @@ class _Reader:
 
 def kinds_of(kind: Any) -> tuple[Any, ...]:
     """The types that a field may have, None left out."""
-    if get_origin(kind) is Union or type(kind).__name__ == "UnionType":
+    if get_origin(kind) in (Union, UnionType):
         return tuple(part for part in get_args(kind) if part is not NoneType)
     return (kind,)
