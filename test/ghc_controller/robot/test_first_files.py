@@ -39,6 +39,26 @@ def test_the_files_of_an_arm_load_and_its_targets_are_reached_together(tmp_path:
     assert 0.01 < min(moves) <= max(moves) < 2.0 * chosen.reach
 
 
+def test_names_that_yaml_would_read_as_something_else_are_quoted(tmp_path: Path) -> None:
+    """Folder and joint with the names of a number, of true and with a comment's mark."""
+    text = _urdf().read_text(encoding="utf-8")
+    odd = tmp_path / "a #1, b: c" / "7.urdf"
+    odd.parent.mkdir()
+    names = {'"joint_1"': '"on"', '"joint_2"': '"2"'}
+    for old, new in names.items():
+        assert old in text
+        text = text.replace(old, new)
+    odd.write_text(text, encoding="utf-8")
+    write_first_files(odd, tmp_path / "arm", "7")
+    robot = load_robot(tmp_path / "arm")
+    assert robot.name == "7"
+    assert robot.urdf.resolve() == odd
+    assert robot.model.joint_names[:2] == ("on", "2")
+    for file, name in (("scene", "7"), ("swap", "7_swap")):
+        given = yaml.safe_load((tmp_path / f"arm/{file}.yaml").read_text(encoding="utf-8"))
+        assert given["name"] == name
+
+
 def test_the_start_is_away_from_singular_postures(tmp_path: Path) -> None:
     chosen = write_first_files(_urdf(), tmp_path / "arm", "arm")
     model = load_robot(tmp_path / "arm").model

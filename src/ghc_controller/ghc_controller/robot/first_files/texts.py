@@ -2,30 +2,35 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Mapping, Sequence
+
+import yaml
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.first_files.choices import FIRST_TORQUE, FIRST_VELOCITY, Choices
 from ghc_controller.types import Array
 
 SWAP = "swap"  # name of the scenario's file
+_PLAIN = re.compile(r"[A-Za-z_./][\w./-]*")
 
 
 def robot_text(name: str, urdf: str, model: RobotModel, chosen: Choices) -> str:
     """robot.yaml: limits that the URDF lacks, three tasks, an order."""
     return f"""\
 # A first robot.yaml: change names of frames, gains and limits to your needs (docs/own_robot.md).
-name: {name}
-urdf: {urdf}
+name: {_scalar(name)}
+urdf: {_scalar(urdf)}
 {_limits(chosen)}tasks:                         # stiffness [1/s^2], damping [1/s]
   - name: end_effector
     kind: frame_position
-    frame: {chosen.end_effector}
+    frame: {_scalar(chosen.end_effector)}
     stiffness: 30.0
     damping: 20.0
   - name: elbow
     kind: frame_position
-    frame: {chosen.elbow}
+    frame: {_scalar(chosen.elbow)}
     stiffness: 30.0
     damping: 20.0
   - name: posture
@@ -42,7 +47,7 @@ def scene_text(name: str, model: RobotModel, chosen: Choices) -> str:
     """The simulator's side: start posture and camera, in empty space."""
     return f"""\
 # The robot in empty space; surfaces, contacts and obstacles go here (docs/own_robot.md).
-name: {name}
+name: {_scalar(name)}
 robot: ./robot.yaml
 
 start:                         # [rad] or [m]
@@ -61,7 +66,7 @@ def scenario_text(name: str, chosen: Choices) -> str:
     first, second = (", ".join(f"{value:.4f}" for value in target) for target in chosen.targets)
     return f"""\
 # Two tasks change places, and back: `make run SCENARIO=.../{SWAP}.yaml`.
-name: {name}_{SWAP}
+name: {_scalar(f"{name}_{SWAP}")}
 title: End effector and elbow change places
 robot: ./robot.yaml
 scene: ./scene.yaml
@@ -81,10 +86,16 @@ phases:
 """
 
 
+def _scalar(text: str) -> str:
+    """A text in YAML, in quotes where it would be read as something else, such as 1 or on."""
+    plain = _PLAIN.fullmatch(text) and yaml.safe_load(text) == text
+    return text if plain else json.dumps(text, ensure_ascii=False)
+
+
 def _by_joint(names: Sequence[str], values: Array, indent: int) -> str:
     pad = " " * indent
     return "\n".join(
-        f"{pad}{name}: {value:.3f}" for name, value in zip(names, values, strict=True)
+        f"{pad}{_scalar(name)}: {value:.3f}" for name, value in zip(names, values, strict=True)
     )
 
 
@@ -93,10 +104,9 @@ def _limits(chosen: Choices) -> str:
         "torque": (chosen.without_torque, FIRST_TORQUE, "[Nm] or [N]"),
         "velocity": (chosen.without_velocity, FIRST_VELOCITY, "[rad/s] or [m/s]"),
     }
-    lines = [
-        f"  {field}: {{{', '.join(f'{name}: {value:g}' for name in names)}}}  # {unit} CHECK: the"
-        " URDF has none"
-        for field, (names, value, unit) in missing.items()
-        if names
-    ]
+    lines = []
+    for field, (names, value, unit) in missing.items():
+        if names:
+            joints = ", ".join(f"{_scalar(name)}: {value:g}" for name in names)
+            lines.append(f"  {field}: {{{joints}}}  # {unit} CHECK: the URDF has none")
     return "\n".join(["limits:", *lines]) + "\n" if lines else ""
