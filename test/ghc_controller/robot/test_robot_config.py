@@ -221,14 +221,23 @@ def test_limits_that_the_urdf_lacks_are_asked_for(tmp_path: Path) -> None:
         load_robot_config(tmp_path / "robot.yaml")
 
 
-def test_a_posture_in_degrees_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("reference", "message"),
+    [
+        (30.0, "30 for joint 'joint_1' is beyond its limits"),
+        ({}, "reference: at least one joint expected, none given"),
+    ],
+)
+def test_a_posture_in_degrees_or_without_joints_is_refused(
+    tmp_path: Path, reference: object, message: str
+) -> None:
     """Beyond a position limit: joint, value and limits are named."""
     source = find_robot("kuka_lwr")
     values = yaml.safe_load(source.read_text(encoding="utf-8"))
     values["urdf"] = str(source.parent / values["urdf"])
-    values["tasks"][-1]["reference"] = 30.0
+    values["tasks"][-1]["reference"] = reference
     (tmp_path / "robot.yaml").write_text(yaml.safe_dump(values), encoding="utf-8")
-    with pytest.raises(ConfigurationError, match="30 for joint 'joint_1' is beyond its limits"):
+    with pytest.raises(ConfigurationError, match=message):
         load_robot_config(tmp_path / "robot.yaml")
 
 

@@ -85,6 +85,8 @@ class PostureTask(Task):
         joints = joints_of({"joints": given.joints, "reference": reference})
         position = None
         if isinstance(reference, Mapping):
+            if not reference:
+                raise fields.error("reference", "at least one joint expected, none given")
             for joint in reference:
                 if joint not in joint_names:
                     raise fields.error(
