@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.schema.reader import Fields, read_yaml
@@ -117,3 +119,14 @@ def test_the_scenario_takes_references_schedules_and_events_from_the_walk() -> N
 def test_a_bad_walk_is_refused_with_its_field(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ConfigurationError, match=message):
         read(section() | change)
+
+
+def test_an_event_at_the_time_of_one_of_the_walk_is_refused_with_its_file(
+    walk: Walk, tmp_path: Path
+) -> None:
+    values = yaml.safe_load(find_scenario("walking").read_text(encoding="utf-8"))
+    values["events"] = [{"time": walk_events(walk)[0].time, "name": "push"}]
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump(values), encoding="utf-8")
+    with pytest.raises(ConfigurationError, match=r"mine.yaml: events\[1\].time: more than"):
+        load_scenario(str(file))

@@ -11,13 +11,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ghc_controller.errors import InvalidField
-from ghc_controller.schema.declared import declared
+from ghc_controller.schema.declared import declared, entries
 from ghc_controller.schema.domains import NOT_NEGATIVE, Range
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 
 Vector = tuple[float, ...]
-KINDS = ("position", "joints", "points", "lemniscate")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +99,9 @@ class ReferenceFields:
             point = ReferencePoint(0.0, tuple(self.joints.values()))
             return Reference(task, (point,), tuple(self.joints))
         return Reference(task, self.points, lemniscate=self.lemniscate)
+
+
+KINDS = tuple(entry.name for entry in entries(ReferenceFields))
 
 
 def read_references(scenario: Fields, name: str) -> tuple[Reference, ...]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
-from ghc_controller.errors import UnknownName
+from ghc_controller.errors import InvalidField, UnknownName
 from ghc_controller.registry import Registry
 from ghc_controller.schema.merging import merged
 from ghc_controller.schema.plugged_files import Files, plugged_file
@@ -84,15 +84,10 @@ def _read_scenario(
         variant=variant,
         variants=variants,
     )
-    walk = scenario.walk
-    if walk is not None:
-        events = (*scenario.events, *walk_events(walk))
-        scenario = replace(
-            scenario,
-            references=(*scenario.references, *walk_references(walk)),
-            contact_schedules=(*scenario.contact_schedules, *walk_schedules(walk)),
-            events=tuple(sorted(events, key=lambda event: event.time)),
-        )
+    try:
+        scenario = _with_walk(scenario)
+    except InvalidField as error:
+        raise fields.error(error.field, error.problem) from error
     if scenario.contact_schedules and not any(
         GENERATORS[generator].reads_schedules for generator in scenario.generators
     ):
@@ -100,3 +95,20 @@ def _read_scenario(
             "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
         )
     return scenario
+
+
+def _with_walk(scenario: Scenario) -> Scenario:
+    """The scenario with the references, schedules and events that its walk means.
+
+    Raises InvalidField for an event at the time of one of the walk.
+    """
+    walk = scenario.walk
+    if walk is None:
+        return scenario
+    events = (*scenario.events, *walk_events(walk))
+    return replace(
+        scenario,
+        references=(*scenario.references, *walk_references(walk)),
+        contact_schedules=(*scenario.contact_schedules, *walk_schedules(walk)),
+        events=tuple(sorted(events, key=lambda event: event.time)),
+    )
