@@ -12,6 +12,7 @@ from ghc_controller.constraints import (
     ConstraintSet,
     JointPositionLimit,
     JointVelocityLimit,
+    Tick,
     TorqueRateLimit,
 )
 from ghc_controller.constraints.jerk_share import base_follows
@@ -148,6 +149,30 @@ def test_without_a_rate_limit_or_a_torque_before_no_bound_changes() -> None:
     assert (planned[inside, 0] >= plain[inside, 0] - 1e-9).all()
     assert (planned[inside, 1] <= plain[inside, 1] + 1e-9).all()
     assert (planned != plain).any()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_position_box_is_never_empty_however_close_the_limits(seed: int) -> None:
+    """Ranges of 2e-4 to 1 rad, jerks of 1 to 1e4 rad/s^3: the limit ahead counts as if alone."""
+    rng = np.random.default_rng(seed)
+    model = make_model("kuka_lwr")
+    torque = np.zeros(7)
+    for _ in range(200):
+        state = random_state("kuka_lwr", rng)
+        ahead, behind = 10.0 ** rng.uniform(-4.0, 0.0, (2, 7)) * rng.uniform(-0.05, 1.0, (2, 7))
+        v = rng.choice([-1.0, 1.0], 7) * 10.0 ** rng.uniform(-3.0, 0.7, 7)
+        dynamics = model.update(state.q, v)
+        tick = Tick(model, dynamics, state, torque, DT, 10.0 ** rng.uniform(0.0, 4.0, 7))
+        up = v > 0.0
+        to_upper, to_lower = np.where(up, ahead, behind), np.where(up, behind, ahead)
+        brake = 10.0 ** rng.uniform(0.0, 2.0, 7)
+        both, alone = np.zeros((2, 7)), np.zeros((2, 7))
+        lower, upper = state.q - to_lower, state.q + to_upper
+        JointPositionLimit(lower, upper, brake).write(tick, *both)
+        free = np.where(up, -np.inf, lower), np.where(up, upper, np.inf)
+        JointPositionLimit(*free, brake).write(tick, *alone)
+        assert (both[0] <= both[1]).all()
+        assert np.array_equal(np.where(up, both[1], both[0]), np.where(up, alone[1], alone[0]))
 
 
 def test_a_rate_that_is_not_positive_is_rejected() -> None:

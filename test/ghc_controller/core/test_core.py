@@ -17,7 +17,7 @@ from ghc_controller.formulations import (
     make_formulation,
 )
 from ghc_controller.qp import make_solver
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Bounds
 
 SIZES = [3, 2, 3, 17]
 TORQUE_SHARES = (None, 0.35)
@@ -188,3 +188,29 @@ def test_sizes_that_do_not_fit_are_rejected() -> None:
     space = NullSpace(7, 3)
     with pytest.raises(ValueError, match="capacity"):
         space.append(np.zeros((4, 7)), 1e-3)
+    for ends in ([], [3], [3, 6], [5, 3], [-1, 5], [6, 5]):
+        with pytest.raises(ValueError, match="ascending up to the last row"):
+            Cascade(range(5), ends)
+    J = problem.jacobian
+    for target, y in ((np.zeros(4), np.zeros(7)), (np.zeros(5), np.zeros(6))):
+        with pytest.raises(ValueError, match="expected"):
+            level_optimum(J, target, y, space, 1e-2)
+    with pytest.raises(ValueError, match="expected"):
+        level_optimum(J, np.zeros(5), np.zeros(7), NullSpace(6, 3), 1e-2)
+
+
+@pytest.mark.parametrize("kind", ["acceleration", "torque"])
+@pytest.mark.parametrize("side", ["lower", "upper"])
+def test_a_bound_that_is_no_number_is_met_by_no_answer(kind: str, side: str) -> None:
+    """Whichever row it bounds: no level has an answer. Seed 7."""
+    rng = np.random.default_rng(7)
+    for row in range(7):
+        problem = random_problem(rng, 7, [3, 2, 7], strict_alpha(3), 0.35)
+        bounds = getattr(problem, kind)
+        changed = {name: getattr(bounds, name).copy() for name in ("lower", "upper")}
+        changed[side][row] = np.nan
+        given = replace(problem, **{kind: Bounds(**changed)})
+        core = Cascade(range(12), [3, 5, 12])
+        assert core.solve(*_fixed_base_terms(problem), True, 200, 2000)[0] == 3
+        assert core.solve(*_fixed_base_terms(given), True, 200, 2000)[0] == 0
+        assert core.solve(*_fixed_base_terms(problem), True, 200, 2000)[0] == 3

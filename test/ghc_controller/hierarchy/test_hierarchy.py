@@ -201,6 +201,25 @@ def test_a_late_transition_begins_now_and_alpha_does_not_jump(late: float) -> No
     assert schedule.is_settled
 
 
+def test_a_late_request_after_a_cancel_ramps_from_the_initial_matrix() -> None:
+    """Its start lies before the cancel: it starts there, and alpha does not jump."""
+    schedule = _schedule()
+    initial = schedule.alpha.copy()
+    schedule.add(_to("elbow > end_effector > posture", 0.0, 2.0), 0.0)
+    schedule.advance(1.0)
+    (event,) = schedule.cancel(1.0)
+    assert event.phase is TransitionPhase.PREEMPTED
+    assert np.array_equal(schedule.alpha, initial)
+    wanted = _to("posture > elbow > end_effector", 0.0, 2.0)
+    schedule.add(wanted, 1.0)
+    before = schedule.alpha.copy()
+    for tick in range(2001):
+        schedule.advance(1.0 + 1e-3 * tick)
+        assert np.abs(schedule.alpha - before).max() < 2e-3
+        before = schedule.alpha.copy()
+    assert np.array_equal(schedule.alpha, wanted.target.alpha)
+
+
 def test_zero_duration_switches_at_once() -> None:
     """Duration 0: the target from the very tick of the start."""
     schedule = _schedule()

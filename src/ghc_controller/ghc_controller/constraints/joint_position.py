@@ -32,6 +32,7 @@ class JointPositionLimit(Constraint):
     and a joint that is already beyond a limit may stop or return, as fast as it likes, but not
     go on. With a planned jerk j (`Tick.jerk`) the box is narrower: from the next period on the
     acceleration falls with -j to -a_brake (`jerk_kernels`), and the way back is bounded too.
+    Between limits too close for both, the one ahead counts.
     """
 
     space = Space.ACCELERATION
@@ -151,9 +152,13 @@ def _narrow(
     lower: Array,
     upper: Array,
 ) -> None:
-    """Narrow a box to accelerations after which a joint can stop with bounded jerk."""
+    """Narrow a box, never to none, to accelerations after which a joint can stop with its jerk."""
     q_base, v_base = q.shape[0] - brake.shape[0], v.shape[0] - brake.shape[0]
     for i in range(brake.shape[0]):
         p, s, k = q[q_base + i], v[v_base + i], v_base + i
         upper[k] = position_bound(q_max[i] - p, s, jerk[i], brake[i], dt, upper[k])
         lower[k] = -position_bound(p - q_min[i], -s, jerk[i], brake[i], dt, -lower[k])
+        if lower[k] > upper[k] and s > 0.0:
+            lower[k] = upper[k]
+        elif lower[k] > upper[k]:
+            upper[k] = lower[k]

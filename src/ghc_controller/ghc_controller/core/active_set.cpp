@@ -159,7 +159,7 @@ void ActiveSet::answer() {
 
 bool ActiveSet::enter(ActiveRow active, Index limit) {
   if (!form(active)) return false;
-  double violation = candidate_right_ - candidate_.dot(s_), added = 0.0;
+  double violation = candidate_right_ - candidate_.dot(s_);
   while (pivots_ < limit) {
     ++pivots_;
     split_candidate();
@@ -175,7 +175,6 @@ bool ActiveSet::enter(ActiveRow active, Index limit) {
     const double primal_step = dependent ? kInfinity : std::max(violation, 0.0) / free_;
     const double step = std::min(dual_step, primal_step);
     multiplier_.head(size_) -= step * direction_.head(size_);
-    added += step;
     if (primal_step <= dual_step) {
       append(active);
       return true;

@@ -8,16 +8,17 @@ namespace {
 double outside(const Vector& values, const Vector& lower, const Vector& upper) {
   double worst = 0.0;
   for (Index i = 0; i < values.size(); ++i) {
-    const double by = std::max(lower[i] - values[i], values[i] - upper[i]);
-    if (!(by <= worst)) worst = by;  // NaN is never inside
-    if (worst != worst) break;
+    for (const double by : {lower[i] - values[i], values[i] - upper[i]}) {
+      if (!(by <= worst)) worst = by;   // NaN is never inside,
+      if (worst != worst) return worst;  // whether of a value or of one of its bounds
+    }
   }
   return worst;
 }
 
 }  // namespace
 
-void Bounds::begin(const Terms& terms, Index d) {
+void Bounds::begin(const Terms& terms) {
   terms_ = &terms;
   const Index n = terms.x_lower.size(), a = terms.tau_lower.size();
   const Index g = terms.general_lower.size(), r = terms.force_lower.size();
@@ -32,7 +33,7 @@ void Bounds::begin(const Terms& terms, Index d) {
   for (Index i = 0; i < r; ++i) scale_[n + a + g + i] = terms.force_matrix.row(i).norm();
   scale_ = scale_.cwiseMax(1e-9);
   x_.resize(n), torque_.resize(a), force_.resize(terms.center.size());
-  left_.resize(terms.residual.size()), carried_.resize(std::max<Index>(d, left_.size()));
+  left_.resize(terms.residual.size()), carried_.resize(left_.size());
 }
 
 void Bounds::evaluate(const Eigen::Ref<const Vector>& y,
@@ -116,8 +117,8 @@ void Bounds::add_force_row(const Eigen::Ref<const RowVector>& on_force, double w
   const Terms& t = *terms_;
   if (on_free.size()) on_free.noalias() = on_force * t.free / weight;
   if (left_.size()) {
-    carried_.head(left_.size()).noalias() = on_force * t.gain;
-    on_y.noalias() -= carried_.head(left_.size()) * t.balance_matrix;
+    carried_.noalias() = on_force * t.gain;
+    on_y.noalias() -= carried_ * t.balance_matrix;
   }
 }
 

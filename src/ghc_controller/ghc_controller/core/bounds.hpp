@@ -32,7 +32,7 @@ struct Terms {
 class Bounds {
  public:
   // Bounds of a tick; the terms must stay where they are until the next one.
-  void begin(const Terms& terms, Index d);
+  void begin(const Terms& terms);
 
   // x, f, tau and the value of every row at y (d,) and s_f (q,), which may be empty for zero.
   void evaluate(const Eigen::Ref<const Vector>& y, const Eigen::Ref<const Vector>& free_force,

@@ -1,6 +1,7 @@
 #include "cascade.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 namespace ghc {
@@ -12,7 +13,13 @@ constexpr double kViolation = 1e-6;         // [rad/s^2], [Nm], [N] of an accept
 }  // namespace
 
 Cascade::Cascade(std::vector<std::int64_t> rows, std::vector<std::int64_t> ends)
-    : rows_(std::move(rows)), ends_(std::move(ends)), memory_(ends_.size()) {}
+    : rows_(std::move(rows)), ends_(std::move(ends)), memory_(ends_.size()) {
+  const bool ascend = std::is_sorted(ends_.begin(), ends_.end());
+  if (ends_.empty() || !ascend || ends_.front() < 0 ||
+      ends_.back() != static_cast<std::int64_t>(rows_.size())) {
+    throw std::invalid_argument("ends of the levels expected, ascending up to the last row");
+  }
+}
 
 bool Cascade::fits(Index m) const {
   return std::all_of(rows_.begin(), rows_.end(),
@@ -29,7 +36,7 @@ Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, con
     target_[r] = target[rows_[r]];
   }
   above_.reset(d, m);
-  bounds_.begin(terms, d);
+  bounds_.begin(terms);
   y_ = y;
   violation_ = 0.0, pivots_ = 0, qps_ = 0;
   for (Index l = 0; l < levels; ++l) {

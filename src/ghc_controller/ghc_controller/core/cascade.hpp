@@ -22,10 +22,11 @@ struct Effort {
   Index of_order;  // pivots of all levels
 };
 
-// Workspace and memory of one order. Nothing is allocated in a tick whose sizes were seen before.
+// Workspace of one order, kept from tick to tick, and the active sets of its levels.
 class Cascade {
  public:
   // rows (m,) of the augmented Jacobian in the order of the levels; level l ends at ends[l].
+  // Throws std::invalid_argument where the ends do not divide the rows.
   Cascade(std::vector<std::int64_t> rows, std::vector<std::int64_t> ends);
 
   // Answer the levels from y (d,) on; returns how many have one. What comes after is the caller's.

@@ -15,8 +15,8 @@ namespace ghc {
 // Damping of a level of rows J (m, d), of what the levels above leave, A = J P, and r = b - J y,
 // by their squares: w (1 - kept (1 - s)) + (1 - kept) min(|r|^2 / (2 a)^2, 4 w), with
 // kept = |A|^2 / |J|^2, s = min(1, |J| / sqrt(m)). A task of short rows keeps its gains as far as
-// it keeps its directions; along a direction that is being lost no level asks for more than
-// |r| / (2 sqrt(w)).
+// it keeps its directions. Along any direction it asks for |r| / (2 sqrt(w_l)) at most, where the
+// levels above take them all for a or less while |r| <= 4 a sqrt(w).
 double level_damping(Index m, double jacobian, double rows, double residual, double w);
 
 class Level {

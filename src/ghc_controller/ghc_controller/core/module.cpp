@@ -111,6 +111,9 @@ nb::tuple solve(ghc::Cascade& cascade, const Array2& jacobian, const Array1& tar
 
 nb::tuple level_optimum(const Array2& jacobian, const Array1& target, const Array1& y,
                         const ghc::NullSpace& above, double w) {
+  const auto m = jacobian.shape(0), d = jacobian.shape(1);
+  check(target.size() == m && y.size() == d && above.dimension() == static_cast<ghc::Index>(d),
+        "rows (m, d), target (m,), y (d,) and a null space of d directions expected");
   ghc::Level level;
   level.solve(matrix(jacobian), vector(target), vector(y), above, w);
   return nb::make_tuple(array(level.optimum()), array(level.rows()), level.damping());

@@ -1,8 +1,9 @@
-"""Compiled null spaces that open and close smoothly: P = I - S^T (S S^T + e^2 I)^-1 S.
+"""Compiled null spaces P = I - S^T (S S^T + e^2 I)^-1 S, for the damped layers of projectors.
 
 S stacks the rows of all levels above. With L L^T = S S^T + e^2 I and B = L^-1 S it is
 P = I - B^T B, and a further level only appends rows to B. At a singularity P goes from 0 to 1
-over singular values of about e instead of at once.
+over singular values of about e instead of at once. The levels of `cascade` have theirs in the core
+(`core/null_space.cpp`), which a compiled kernel of Python cannot call.
 """
 
 from __future__ import annotations
@@ -43,24 +44,3 @@ def append_rows(
             row[c] *= scale
         used += 1
     return used
-
-
-@njit(cache=True, fastmath=REORDERED_SUMS)
-def project_rows(rows: Array, basis: Array, used: int) -> Array:  # pragma: no cover
-    """Rows (m, d) times P of the first `used` rows of `basis`, (m, d)."""
-    projected = rows.copy()
-    for r in range(rows.shape[0]):
-        for b in range(used):
-            share = 0.0
-            for c in range(rows.shape[1]):
-                share += rows[r, c] * basis[b, c]
-            for c in range(rows.shape[1]):
-                projected[r, c] -= share * basis[b, c]
-    return projected
-
-
-@njit(cache=True)
-def null_projector(basis: Array, used: int) -> Array:  # pragma: no cover
-    """P (d, d) of the first `used` rows of `basis`, symmetric."""
-    rows = basis[:used]
-    return np.eye(basis.shape[1]) - rows.T @ rows

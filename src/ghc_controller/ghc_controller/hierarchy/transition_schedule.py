@@ -136,6 +136,7 @@ class TransitionSchedule:
         left = [self._running] if self._running is not None else []
         left += self._pending
         self.reset()
+        self._now = now  # a request from before it must not start before it
         return [TransitionEvent(entry, TransitionPhase.PREEMPTED, now) for entry in left]
 
     def advance(self, now: float) -> list[TransitionEvent]:

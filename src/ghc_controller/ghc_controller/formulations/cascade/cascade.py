@@ -10,6 +10,7 @@ import numpy as np
 from ghc_controller.core import Cascade as Core
 from ghc_controller.core import NullSpace, level_optimum
 from ghc_controller.formulations.balanced import BalancedGhc
+from ghc_controller.formulations.best_answer import BestAnswer
 from ghc_controller.formulations.cascade.blend import blend
 from ghc_controller.formulations.cascade.core_terms import core_terms
 from ghc_controller.formulations.cascade.force_center import ForceCenter, balanced_contacts
@@ -17,7 +18,6 @@ from ghc_controller.formulations.cascade.level_answers import (
     UPPER_FORCE_WEIGHT,
     free_answer,
     keep_feasible,
-    keeps_bounds,
     reduced_acceleration,
     rows_of,
 )
@@ -155,27 +155,30 @@ class _Descent:
             solver.pivots_left,
         )
         solver.spend(pivots, qps)
-        best = None
-        if answered:
-            best = Solution(
-                x,
-                force,
-                torque,
-                SolutionStatus.SOLVED,
-                qps > 0,
-                primal_residual=violation,
-                violation=violation,
-                iterations=pivots,
-            )
-            if answered == len(self.order.ends):
-                return best
-            self.y = reduced_acceleration(self.reduced, x)
-            if qps:
-                self.reduced = keep_feasible(self.reduced, best)
-        return self._from(answered, best)
+        if not answered:
+            return self._from(0, None)
+        found = Solution(
+            x,
+            force,
+            torque,
+            SolutionStatus.SOLVED,
+            qps > 0,
+            primal_residual=violation,
+            violation=violation,
+            iterations=pivots,
+        )
+        if answered == len(self.order.ends):
+            return found
+        self._go_below(found)
+        return self._from(answered, found)
 
-    def _from(self, first: int, best: Solution | None) -> Solution:
-        """Answer of the levels from `first` on, below the answer `best` of those above.
+    def _go_below(self, found: Solution) -> None:
+        self.y = reduced_acceleration(self.reduced, found.acceleration)
+        if found.qp_solved:
+            self.reduced = keep_feasible(self.reduced, found)
+
+    def _from(self, first: int, above: Solution | None) -> Solution:
+        """Answer of the levels from `first` on, below the answer of those above.
 
         The rare path: levels whose bounds conflict, that the core could not finish, or that have
         (x + kd v)^T S (x + kd v) beside their rows.
@@ -185,34 +188,31 @@ class _Descent:
         target = self.reduced.target[order.rows]
         begins = [0, *order.ends[:-1]]
         parts = [slice(begin, end) for begin, end in zip(begins, order.ends, strict=True)]
+        best = BestAnswer(self.given, len(parts))
+        if above is not None:
+            best.accept(first - 1, above)
         space = NullSpace(jacobian.shape[1], len(jacobian))
-        above = np.zeros(len(self.given.target))
+        met = np.zeros(len(self.given.target))  # 1 for rows of the levels before
         for part in parts[:first]:
             space.append(jacobian[part], settings.null_damping)
-            above[order.rows[part]] = 1.0
+            met[order.rows[part]] = 1.0
         for level in range(first, len(parts)):
             part = parts[level]
-            optimum, factor = self._optimum(jacobian[part], target[part], level, space, above)
+            optimum, factor = self._optimum(jacobian[part], target[part], level, space, met)
             space.append(jacobian[part], settings.null_damping)
-            above[order.rows[part]] = 1.0
+            met[order.rows[part]] = 1.0
             found = free_answer(self.reduced, self.forces, optimum)
             if found is None:
                 weight = 1.0 if level + 1 == len(parts) else UPPER_FORCE_WEIGHT
                 about = self.forces.parametrization(self.reduced, optimum, factor, weight)
                 found = solve_qp(self.reduced, about, self.solver)
-            if best is None and found.status is SolutionStatus.FAILED:
-                return found
-            if best is not None and not keeps_bounds(self.given, best.status, found):
-                return best._replace(levels_dropped=len(parts) - level)
-            best = _after(best, found)
-            self.y = reduced_acceleration(self.reduced, found.acceleration)
-            if found.qp_solved:
-                self.reduced = keep_feasible(self.reduced, found)
-        assert best is not None
-        return best
+            if not best.accept(level, found):
+                break
+            self._go_below(found)
+        return best.answer
 
     def _optimum(
-        self, rows: Array, target: Array, level: int, space: NullSpace, above: Array
+        self, rows: Array, target: Array, level: int, space: NullSpace, met: Array
     ) -> tuple[Array, Array]:
         """Optimum c (d,) of a level and P F (d, d): accelerations c + P F s cost 1/2 |s|^2."""
         optimum, local, damping = level_optimum(
@@ -222,24 +222,8 @@ class _Descent:
         hessian = local.T @ local + damping * np.eye(len(self.y))
         if self.given.second_order is None:
             return optimum, P @ inverse_factor(hessian)
-        term = level_term(self.reduced, self.order.tasks[level], above, P)
+        term = level_term(self.reduced, self.order.tasks[level], met, P)
         factor = inverse_factor(hessian + term.matrix)
         right = (target - rows @ self.y) @ local
         right -= P @ (term.pull + term.matrix @ self.y)
         return self.y + P @ (factor @ (factor.T @ right)), P @ factor
-
-
-def _after(above: Solution | None, found: Solution) -> Solution:
-    """The answer of a level below `above`: what gave way is what the first level gave."""
-    if above is None:
-        return found
-    return found._replace(
-        status=max(above.status, found.status, key=lambda status: status.value),
-        qp_solved=above.qp_solved or found.qp_solved,
-        iterations=above.iterations + found.iterations,
-        acceleration_slack=above.acceleration_slack,
-        rows_slack=above.rows_slack,
-        force_slack=above.force_slack,
-        rate_gave_way=above.rate_gave_way,
-        reason=above.reason,
-    )
