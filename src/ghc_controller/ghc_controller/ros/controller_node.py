@@ -290,6 +290,7 @@ class ControllerNode:
         self._requests.at(state.time)
         if self._modes.mode is Mode.LATCHED:
             self._send(values, controller.brake(state))
+            self._requests.tell(controller.take_events())  # what the fault has ended
             return
         try:
             result = controller.step(state)
@@ -328,9 +329,10 @@ class ControllerNode:
             self._plausibility.check(state)
         except InvalidValue as error:
             self._gate.forget()
-            self._reject(str(error).split(":")[0], str(error))
+            told = self._reject(str(error).split(":")[0], str(error))
             if isinstance(error, ImplausibleStart):
-                self._modes.logic.waits(f"cannot start: {error}")
+                if told:  # a measured position is another one in every state
+                    self._modes.logic.waits(f"cannot start: {error}")
             elif self._doubted_since is None:
                 self._doubted_since = now
             elif now - self._doubted_since > DOUBT and self._requests.is_open:
@@ -342,9 +344,12 @@ class ControllerNode:
             self._modes.logic.fault(self._plausibility.jumped)
         return True
 
-    def _reject(self, field: str, reason: str) -> None:
-        if self._rejections.count(field, time.monotonic()):
+    def _reject(self, field: str, reason: str) -> bool:
+        """Count a refusal; whether it was also logged, as the first of a field in a while is."""
+        told = self._rejections.count(field, time.monotonic())
+        if told:
             self.node.get_logger().warning(f"{field}: {reason}")
+        return told
 
     def _on_idle(self) -> None:
         if time.monotonic() - self._answered_at > IDLE_PERIOD:
