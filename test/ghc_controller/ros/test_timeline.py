@@ -131,3 +131,17 @@ def test_a_run_begins_with_the_first_of_its_states_that_is_answered(
         gate.forget()  # refused
     gate.answered(2 * MS)
     assert state(3 * MS, "1") is Verdict.NEW
+
+
+@pytest.mark.parametrize("epoch", [0, 1, 2])
+def test_a_run_does_not_begin_on_a_plan_of_the_one_before(epoch: int) -> None:
+    """Whatever its epoch and its time are."""
+    wall = 0.0
+    gate: StateGate[str] = StateGate((), ("plan",), 10 * MS, Timeline(clock=lambda: wall))
+    gate.state("state", 5000 * MS, "1")
+    assert gate.plan("plan", 5000 * MS, 1) is not None
+    gate.answered(5000 * MS)
+    wall = SILENCE
+    places = [gate.state("state", 0, str(epoch)) for _ in range(CONFIRMATIONS)]
+    assert places[-1] is Verdict.WAITING
+    assert gate.plan("plan", 0, epoch) == ("state", Verdict.NEW_EPOCH)

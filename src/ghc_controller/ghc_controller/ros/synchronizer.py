@@ -81,6 +81,7 @@ class StateGate(Generic[M]):
         if place is Place.RESTARTED:
             self.epoch = number
             self._repeatable, self._begins = False, True
+            self._plans = dict.fromkeys(self._plans, (-1, -1))
         if stamp_ns == self._answered_ns and self._repeatable:
             return Verdict.REPEATED
         if self.missing(stamp_ns):
