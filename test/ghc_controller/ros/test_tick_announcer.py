@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ghc_controller.ros.ticks import TickAnnouncer
+from ghc_controller.ros.wire.ticks import TickAnnouncer
 
 MS = 1_000_000  # [ns]
 TICK = 10 * MS
