@@ -99,7 +99,7 @@ def _run_bench(
         entries = []
         for run in (run for run in done if run.row == row.name):
             values = figures(run, wire, PERIOD[bench], velocity_limit)
-            wrong = broken(run, values, row.limits, row.latches)
+            wrong = broken(run, values, row.limits, row.latches, PERIOD[bench])
             about = {k: v for k, v in asdict(run).items() if k not in ("row", "begin", "end")}
             entries.append(about | values | {"broken": wrong})
         judged[row.name] = {
