@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -212,6 +213,29 @@ def test_a_second_commander_is_named_and_ignored(session: Session) -> None:
     said = session.output("sim_bridge")
     assert "ignored while 'controller." in said  # whose command came at the time of a warning
     assert "/fault_injector" in said
+    _goes_on(session)
+
+
+@pytest.mark.parametrize("effort", [1e300, 0.0, -1e4])
+def test_a_silent_controller_loses_the_robot_to_no_intruder(
+    session: Session, effort: float
+) -> None:
+    """It is stopped for longer than its claim lasts, while another sender keeps on: held, then
+    driven by the controller again."""
+
+    def fault() -> None:
+        controller = session.processes["controller"]
+        controller.send(signal.SIGSTOP)
+        for k in range(100):
+            if k == 60:
+                controller.send(signal.SIGCONT)
+            session.forge_command(effort)
+            session.spin(0.015)
+
+    wire = _watched(session, fault)
+    assert wire.largest_rate(session.control_dt) <= RATE
+    assert wire.largest_share(LIMIT) < 0.5
+    session.until(lambda: session.count("sim_bridge", "rejected_takeover") > 0, "the count", 5.0)
     _goes_on(session)
 
 

@@ -77,6 +77,10 @@ class CommandDesk:
         if self._claim.blocks(sender, time.monotonic()):
             self._ignore(sender)
             return False
+        if self._claim.takes_over(sender) and not self._cycle.continues(torque):
+            self.refusal = f"sender '{sender}' would take over with a jump of torque"
+            self._reject("takeover", self.refusal)
+            return False
         now_ns = self._cycle.time_ns
         unwanted = mode.command(stamp_ns, torque)
         self._claim.heard(sender, time.monotonic(), used=not unwanted)
