@@ -99,7 +99,7 @@ def _run_bench(
         entries = []
         for run in (run for run in done if run.row == row.name):
             values = figures(run, wire, PERIOD[bench], velocity_limit)
-            wrong = broken(run, values, row.limits, row.latches)
+            wrong = broken(run, values, row.limits, row.latches, PERIOD[bench])
             about = {k: v for k, v in asdict(run).items() if k not in ("row", "begin", "end")}
             entries.append(about | values | {"broken": wrong})
         judged[row.name] = {
@@ -116,8 +116,11 @@ def _run_bench(
 
 def _start(session: Session, bench: Bench, folder: Path) -> Path:
     """Start all nodes of a bench; where the monitor will write."""
+    if bench is Bench.CONTACT:
+        session.defaults["sim_bridge"] = {"scene": "kuka_lwr_obstacle"}
+        session.defaults["controller"] = {"robot": _robot_with_contact(folder)}
     for name in _nodes(bench):
-        _start_node(session, bench, name, folder)
+        session.start(name)
     session.ready()
     session.spin(YOUTH)
     path = session.start_monitor()
@@ -132,14 +135,6 @@ def _start(session: Session, bench: Bench, folder: Path) -> Path:
 
 def _nodes(bench: Bench) -> tuple[str, ...]:
     return ("sim_bridge", "controller") + (GENERATORS if bench is Bench.CONTACT else ())
-
-
-def _start_node(session: Session, bench: Bench, name: str, folder: Path) -> None:
-    parameters: dict[str, object] = {}
-    if bench is Bench.CONTACT:
-        session.defaults["sim_bridge"] = {"scene": "kuka_lwr_obstacle"}
-        session.defaults["controller"] = {"robot": _robot_with_contact(folder)}
-    session.start(name, **parameters)
 
 
 def _robot_with_contact(folder: Path) -> Path:

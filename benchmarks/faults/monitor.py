@@ -87,7 +87,7 @@ def _columns(topic: str, seen: list[tuple[int, bytes]]) -> dict[str, Any]:
             list(field) or [0.0] * size
             for field in (message.position, message.velocity, message.effort)
         ]
-        rows.append((wall, stamp, *numbers))  # type: ignore[arg-type]
+        rows.append((wall, stamp, *numbers))
     fields = ("wall", "stamp", "position", "velocity", "effort")
     columns = list(zip(*rows, strict=True)) or [()] * len(fields)
     answer: dict[str, Any] = {

@@ -9,6 +9,9 @@ import numpy as np
 
 from ghc_controller.types import NANOSECONDS, Array
 
+SILENCE = 0.1  # [s] without a command, after which the robot has to be held
+AT_COMMAND = 1e-9  # [Nm] from the last command: it is what is applied
+
 
 @dataclass(frozen=True, slots=True)
 class Wire:
@@ -65,21 +68,20 @@ class Wire:
         """From the last command before the longest silence to the first state under a hold [s].
 
         The last command stays in force for a while, ramped where the rate limit asks for it: a
-        hold begins when the torque leaves the way to that command.
+        hold begins when the torque is neither there nor on the way to it. 0 without a silence,
+        inf where there was no hold until the next command.
         """
-        if len(self.command_stamp) < 2 or self.longest_silence() < 0.1:
+        if self.longest_silence() < SILENCE:
             return 0.0
         last = int(np.argmax(np.diff(self.command_stamp)))
-        begin, effort = self.command_stamp[last], self.command_effort[last]
-        later = np.flatnonzero(self.stamp > begin)
-        reached = False
-        for k in later:
-            away = float(np.abs(self.effort[k] - effort).max())
-            if away < 1e-9:
-                reached = True
-            elif reached:
+        begin, end = self.command_stamp[last : last + 2]
+        before = np.inf
+        for k in np.flatnonzero((self.stamp > begin) & (self.stamp < end)):
+            away = float(np.abs(self.effort[k] - self.command_effort[last]).max())
+            if away > AT_COMMAND and away >= before:
                 return float(self.stamp[k] - begin)
-        return 0.0
+            before = away
+        return float("inf")
 
     def largest_rate(self, control_dt: float) -> float:
         """Largest change of an applied torque per time [Nm/s] between states of one run.

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from ghc_msgs.msg import (
+    ControllerMode,
     ControllerState,
     PriorityMatrix,
     PriorityTransition,
@@ -379,6 +380,30 @@ def test_torque_stays_inside_rate_and_limits(
         assert np.abs(np.subtract(command, before)).max() <= 1.0 + 1e-9
         assert (np.abs(command) <= [176, 176, 100, 100, 100, 38, 38]).all()
         before = command
+
+
+def test_a_run_whose_first_state_is_refused_begins_with_the_next_one(
+    ros_context: Any, start_node: Callable[..., Any]
+) -> None:
+    """In real time: waiting while a joint is outside its limits, then holding at its own time."""
+    robot = _connected(ros_context, start_node, lockstep="false")
+    modes: list[ControllerMode] = []
+    robot.node.create_subscription(
+        ControllerMode, "ghc/controller_mode", modes.append, LATCHED_QOS
+    )
+    robot.time = 5.0  # as after a cut link
+    robot.answer()
+    assert robot.ask(hierarchy="posture > elbow", duration=0.0)[0].reason == ""
+    robot.until(lambda: modes[-1].mode == ControllerMode.ACTIVE)
+    robot.time = 0.0
+    outside = partial(robot.publish, frame_id="1", position=[0.1, 3.0, *HOME[2:]])
+    robot.until(lambda: modes[-1].mode == ControllerMode.WAITING, outside)
+    assert "joint_2" in modes[-1].reason
+    assert "waiting" in robot.ask(hierarchy="posture")[0].reason
+    robot.answer(frame_id="1")
+    robot.until(lambda: modes[-1].mode == ControllerMode.HOLDING)
+    robot.step(frame_id="1")
+    robot.until(lambda: list(robot.matrices[-1].alpha) == list(robot.matrices[0].alpha))
 
 
 BAD_PARAMETERS: list[tuple[str, list[str]]] = [

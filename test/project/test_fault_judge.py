@@ -27,7 +27,7 @@ def _wire() -> Wire:
 
 
 def _judged(wire: Wire, run: Run = RUN, limits: Limits | None = None) -> list[str]:
-    return broken(run, figures(run, wire, DT, VELOCITY_LIMIT), limits or Limits(), False)
+    return broken(run, figures(run, wire, DT, VELOCITY_LIMIT), limits or Limits(), False, DT)
 
 
 def test_a_sound_run_holds() -> None:
@@ -68,9 +68,11 @@ def test_what_became_of_the_nodes_counts(run: Run, word: str) -> None:
     assert any(word in text for text in _judged(_wire(), run))
 
 
-@pytest.mark.parametrize(("hold", "holds"), [(0.02, True), (0.06, False)])
+@pytest.mark.parametrize(
+    ("hold", "holds"), [(0.0, True), (0.02, True), (0.034, False), (0.06, False), (1.0, False)]
+)
 def test_a_hold_that_comes_late_is_found(hold: float, holds: bool) -> None:
-    """Commands end at 0.4 s; the last one is applied for a while, then a hold."""
+    """Commands end at 0.4 s; the last one is applied for a while, then a hold, or none."""
     wire = _wire()
     last = wire.command_stamp <= 0.4
     effort = wire.effort.copy()

@@ -33,14 +33,12 @@ from ghc_controller.problem.reduction import kept_by_contacts
 from ghc_controller.qp import make_solver
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.report.report import StepResult, StepStatus
-from ghc_controller.report.reporting import (
-    Limits,
-)
+from ghc_controller.report.reporting import Limits
 from ghc_controller.robot.library import load_robot
 from ghc_controller.robot.robot import Robot
 from ghc_controller.safety.braking import braking_torque
-from ghc_controller.safety.gate import OutputGate
-from ghc_controller.safety.rate_anchor import FIRST_SHARE, RateAnchor
+from ghc_controller.safety.gate import Output, OutputGate
+from ghc_controller.safety.rate_anchor import RateAnchor
 from ghc_controller.settings import Settings, make_constraints
 from ghc_controller.tasks.second_order import second_order_terms
 from ghc_controller.tasks.stack import TaskStack
@@ -84,7 +82,10 @@ class Controller(Requests, Account):
             self.model.torque_limit, self.settings.rate_limit(robot), self.settings.control_dt
         )
         self._anchor = RateAnchor(
-            self.model.torque_limit, self.gate.torque_step_limit, self.settings.control_dt
+            self.model.torque_limit,
+            self.gate.torque_step_limit,
+            self.settings.control_dt,
+            self.model.floating_base,
         )
         hierarchy = self.settings.hierarchy or robot.hierarchy
         self.priorities = TransitionSchedule(
@@ -97,9 +98,8 @@ class Controller(Requests, Account):
         self._limits: Limits | None = None
         self._contact_rows_seen: ContactRows | None = None  # of the last state looked at
         self._events: list[TransitionEvent] = []
-        self.counts = {"qp_failures": 0, "fallback_ticks": 0, "relaxed_ticks": 0, "stale_ticks": 0}
-        self.counts["dropped_levels"] = 0
-        self.counts |= self.formulation.solver.counts
+        names = ("qp_failures", "fallback_ticks", "relaxed_ticks", "stale_ticks", "dropped_levels")
+        self.counts = dict.fromkeys(names, 0) | self.formulation.solver.counts
 
     @classmethod
     def for_robot(cls, robot: str | Path, settings: Settings | None = None) -> Controller:
@@ -181,8 +181,7 @@ class Controller(Requests, Account):
             boxes = limits.boxes
             if status is StepStatus.SOLVED and (boxes.acceleration.slack or boxes.torque.slack):
                 status = StepStatus.RELAXED
-        gated = self.gate.apply(torque, before, dynamics, state.v)
-        self._anchor.sent(gated.torque, state.time)
+        gated = self._gated(torque, before, dynamics, state)
         self._count(status, solution.levels_dropped)
         self._last = StepResult(
             state.time,
@@ -224,23 +223,6 @@ class Controller(Requests, Account):
             else None,
         )
 
-    def hold(self) -> None:
-        """Keep the robot where it is at the next state, until `activate`.
-
-        Forgets references and transitions; tasks of the robot's file with a reference of their
-        own stay where they are too.
-        """
-        self._stay = True
-        self.references.reset()
-        self.force_references.reset()
-        self._events += self.priorities.cancel(self._time)
-
-    def activate(self) -> None:
-        """Leave `hold`: tasks without a reference follow the robot's file, or stay."""
-        if self._stay:
-            self._stay = False
-            self.references.begin(self.model)
-
     def brake(self, state: RobotState) -> Array:
         """Torque (a,) [Nm] that brakes the robot within torque and rate limits."""
         self._time = state.time
@@ -249,9 +231,7 @@ class Controller(Requests, Account):
         self.contacts.begin(state.time)
         rows = self._contact_rows(self.force_bounds.at(state.time), state.time)
         torque = braking_torque(dynamics, state.v, self.model.torque_limit, contact_rows=rows)
-        gated = self.gate.apply(torque, before, dynamics, state.v)
-        self._anchor.sent(gated.torque, state.time)
-        return gated.torque
+        return self._gated(torque, before, dynamics, state).torque
 
     def _begin_references(self) -> None:
         if not self.references.has_begun:
@@ -260,14 +240,17 @@ class Controller(Requests, Account):
 
     def _rate_anchor(self, dynamics: Dynamics, state: RobotState) -> Array:
         """Torque (a,) [Nm] from which the rate limit counts in this step."""
-        if self._anchor.is_set and not self._anchor.is_held(state.time):
-            return self._anchor.at(state.time)
-        holding = braking_torque(dynamics, state.v, self.model.torque_limit)
-        if self._anchor.is_set:
-            # How a floating base was held is not known here; from what was sent it goes on.
-            return self._anchor.at(state.time, None if self.model.floating_base else holding)
-        room = np.inf if self.model.floating_base else FIRST_SHARE
-        return self._anchor.first(state.torque, holding, room)
+        return self._anchor.before(
+            state, partial(braking_torque, dynamics, state.v, self.model.torque_limit)
+        )
+
+    def _gated(
+        self, torque: Array, before: Array, dynamics: Dynamics, state: RobotState
+    ) -> Output:
+        """What leaves in answer to a state, noted as the anchor of the next one."""
+        output = self.gate.apply(torque, before, dynamics, state.v)
+        self._anchor.sent(output.torque, state.time)
+        return output
 
     def _update_limits(self, dynamics: Dynamics, state: RobotState, before: Array) -> Limits:
         planned = self.force_bounds.at(state.time)
@@ -282,12 +265,7 @@ class Controller(Requests, Account):
             self.settings.control_dt,
             None if contacts is None else contacts.jacobian,
         )
-        return Limits(
-            boxes,
-            contacts,
-            bounds,
-            self.obstacles.rows(state.time),
-        )
+        return Limits(boxes, contacts, bounds, self.obstacles.rows(state.time))
 
     def _contact_rows(self, bounds: NormalBounds, time: float) -> ContactRows | None:
         return self.contacts.rows(self.model, bounds, self.force_references, time)

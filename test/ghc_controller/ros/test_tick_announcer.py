@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ghc_controller.ros.ticks import TickAnnouncer
+from ghc_controller.ros.wire.ticks import TickAnnouncer
 
 MS = 1_000_000  # [ns]
 TICK = 10 * MS
@@ -61,6 +61,21 @@ def test_a_new_epoch_starts_again() -> None:
     assert announcer.on_state(0, 1) == 0
     assert announcer.on_answer(0, 1) is None
     assert announcer.on_state(MS, 1) is None
+
+
+@pytest.mark.parametrize("epoch", [0, 4, 5])
+def test_a_robot_that_starts_again_has_its_ticks_from_the_start(epoch: int) -> None:
+    """A restarted bridge counts its epochs and its time from 0, whatever they were before."""
+    announcer = TickAnnouncer(MS, TICK)
+    for stamp in range(0, 50 * MS, MS):
+        announcer.on_state(stamp, 5)
+        announcer.on_answer(stamp, 5)
+    assert announcer.on_state(0, epoch) == 0
+    assert announcer.on_answer(0, epoch) is None  # its first state
+    announced = []
+    for stamp in range(MS, 30 * MS, MS):
+        announced += [announcer.on_state(stamp, epoch), announcer.on_answer(stamp, epoch)]
+    assert [tick for tick in announced if tick is not None] == [TICK, 2 * TICK, 3 * TICK]
 
 
 def test_states_that_were_missed_do_not_hide_a_tick() -> None:

@@ -102,3 +102,46 @@ def test_the_gate_answers_the_true_states_around_a_forged_one() -> None:
         assert gate.state("forged", 3600_000 * MS, "0") is Verdict.IMPLAUSIBLE
         assert gate.state("forged", 0, "999999") is Verdict.IMPLAUSIBLE
     assert gate.state("true", 4 * MS, "0") is Verdict.REPEATED
+
+
+@pytest.mark.parametrize("companions", [(), ("odom",)])
+def test_a_run_begins_with_the_first_of_its_states_that_is_answered(
+    companions: tuple[str, ...],
+) -> None:
+    """Those before it were refused, by a joint outside its limits for example."""
+    wall = 0.0
+    gate: StateGate[str] = StateGate(companions, timeline=Timeline(clock=lambda: wall))
+
+    def state(stamp_ns: int, epoch: str) -> Verdict:
+        verdict = gate.state("state", stamp_ns, epoch)
+        for name in companions:
+            assert verdict is Verdict.WAITING
+            completed = gate.companion(name, stamp_ns, np.zeros(13))
+            assert completed is not None
+            verdict = completed[1]
+        return verdict
+
+    assert state(MS, "0") is Verdict.NEW
+    gate.answered(MS)
+    wall = SILENCE
+    for _ in range(CONFIRMATIONS - 1):
+        assert gate.state("state", 0, "1") is Verdict.IMPLAUSIBLE
+    for k in range(3):
+        assert state(k * MS, "1") is Verdict.NEW_EPOCH
+        gate.forget()  # refused
+    gate.answered(2 * MS)
+    assert state(3 * MS, "1") is Verdict.NEW
+
+
+@pytest.mark.parametrize("epoch", [0, 1, 2])
+def test_a_run_does_not_begin_on_a_plan_of_the_one_before(epoch: int) -> None:
+    """Whatever its epoch and its time are."""
+    wall = 0.0
+    gate: StateGate[str] = StateGate((), ("plan",), 10 * MS, Timeline(clock=lambda: wall))
+    gate.state("state", 5000 * MS, "1")
+    assert gate.plan("plan", 5000 * MS, 1) is not None
+    gate.answered(5000 * MS)
+    wall = SILENCE
+    places = [gate.state("state", 0, str(epoch)) for _ in range(CONFIRMATIONS)]
+    assert places[-1] is Verdict.WAITING
+    assert gate.plan("plan", 0, epoch) == ("state", Verdict.NEW_EPOCH)

@@ -55,3 +55,24 @@ def test_an_automatic_controller_is_active_at_once_and_latches_nothing() -> None
     logic, seen = _started(Arming.AUTOMATIC)
     logic.fault("anything")
     assert seen == [Mode.ACTIVE]
+
+
+@pytest.mark.parametrize("arming", Arming)
+def test_a_run_that_cannot_begin_waits_and_takes_no_request(arming: Arming) -> None:
+    """Also where an earlier run was under way; a change of the reason alone is told as well."""
+    logic, seen = _started(arming)
+    logic.arm()
+    seen.clear()
+    for reason in ("joint_1", "joint_1", "joint_2"):
+        logic.waits(reason)
+        assert reason in logic.refusal()
+    assert seen == [Mode.WAITING, Mode.WAITING]
+    logic.started()
+    assert logic.mode is (Mode.ACTIVE if arming is Arming.AUTOMATIC else Mode.HOLDING)
+
+
+def test_a_latched_fault_does_not_wait() -> None:
+    logic, _ = _started(Arming.REQUEST)
+    logic.fault("first")
+    logic.waits("joint_1")
+    assert logic.mode is Mode.LATCHED

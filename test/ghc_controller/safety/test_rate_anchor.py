@@ -51,6 +51,27 @@ def test_the_first_report_is_believed_near_the_holding_torque_only() -> None:
     np.testing.assert_allclose(lie, holding + FIRST_SHARE * LIMIT)
 
 
+@pytest.mark.parametrize("floating", [False, True])
+def test_the_holding_torque_is_worked_out_only_where_it_counts(floating: bool) -> None:
+    """At the first state, and after a hold unless the base floats: then as it was sent."""
+    anchor, asked = RateAnchor(LIMIT, np.full(7, STEP), DT, floating), []
+
+    def before(time: float) -> float:
+        def holding() -> np.ndarray:
+            asked.append(time)
+            return np.full(7, 3.0)
+
+        state = RobotState(time, np.zeros(7), np.zeros(7), np.full(7, 20.0))
+        torque = anchor.before(state, holding)
+        anchor.sent(np.full(7, 5.0), time)
+        return float(torque[-1])
+
+    assert before(1.0) == pytest.approx(20.0 if floating else 3.0 + FIRST_SHARE * LIMIT[-1])
+    assert before(1.0 + DT) == before(1.0 + 2 * DT) == 5.0
+    assert before(2.0) == pytest.approx(5.0 if floating else 3.0)
+    assert asked == ([1.0] if floating else [1.0, 2.0])
+
+
 def test_forged_efforts_never_move_a_torque_by_more_than_the_rate() -> None:
     """500 states of a moving arm, two in three missed, one effort in three forged (seed 3)."""
     rng = np.random.default_rng(3)

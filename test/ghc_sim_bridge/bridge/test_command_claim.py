@@ -27,6 +27,15 @@ def test_after_a_silence_another_one_takes_over() -> None:
     assert claim.blocks("mine", CLAIM_TIME)
 
 
+def test_a_takeover_is_a_change_of_the_commander_and_not_the_first_one() -> None:
+    claim = CommandClaim()
+    assert not claim.takes_over("mine")
+    claim.heard("mine", 0.0, used=True)
+    assert not claim.takes_over("mine")
+    assert claim.takes_over("next")
+    assert claim.takes_over("")
+
+
 def test_the_sender_stands_behind_the_epoch() -> None:
     assert sender_of("3@controller.5f2a") == ("3", "controller.5f2a")
     assert sender_of("3") == ("3", "")

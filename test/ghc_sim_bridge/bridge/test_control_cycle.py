@@ -90,3 +90,17 @@ def test_log_that_is_missing_or_something_else_is_one_clear_error(tmp_path: Path
     np.savez(tmp_path / "other.npz", x=1)
     with pytest.raises(ConfigurationError, match="other"):
         FullRateLog.load(tmp_path / "other.npz")
+
+
+def test_a_command_continues_within_two_periods_of_the_rate_limit() -> None:
+    """Joint by joint, to both sides; anything does where the rate is not limited."""
+    cycle, _ = _cycle(rate=1000.0)
+    cycle.advance(None)
+    applied, limit = cycle.simulator.torque, cycle.simulator.torque_limit
+    assert cycle.continues(applied)
+    for side in (-1.0, 1.0):
+        for joint in np.eye(len(limit)):
+            assert cycle.continues(applied + 1.999 * side * joint)
+            assert not cycle.continues(applied + 2.001 * side * joint)
+    assert not cycle.continues(np.full(len(limit), 1e300))
+    assert _cycle(rate=0.0)[0].continues(np.full(len(limit), 1e300))

@@ -1,4 +1,4 @@
-"""What is asked of a controller: references and changes of priorities, with their times."""
+"""What is asked of a controller: references, changes of priorities, to hold the robot."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ghc_controller.hierarchy import (
     TransitionSchedule,
     matrix_from_hierarchy,
 )
+from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.robot.robot import Robot
@@ -24,11 +25,13 @@ class Requests:
     """The part of `Controller` that takes requests; they may be given long before they apply."""
 
     robot: Robot
+    model: RobotModel
     formulation: Formulation
     references: ReferenceSchedule
     force_references: ReferenceSchedule
     priorities: TransitionSchedule
     _time: float  # [s] of the last state looked at
+    _stay: bool  # tasks stay where they were when references began
     _events: list[TransitionEvent]
 
     def schedule_of(self, task: str) -> ReferenceSchedule:
@@ -121,3 +124,20 @@ class Requests:
             target, begin, duration, hierarchy=hierarchy, torque_rate=torque_rate
         )
         return self.add_transition(transition, self._time)
+
+    def hold(self) -> None:
+        """Keep the robot where it is at the next state, until `activate`.
+
+        Forgets references and transitions; tasks of the robot's file with a reference of their
+        own stay where they are too.
+        """
+        self._stay = True
+        self.references.reset()
+        self.force_references.reset()
+        self._events += self.priorities.cancel(self._time)
+
+    def activate(self) -> None:
+        """Leave `hold`: tasks without a reference follow the robot's file, or stay."""
+        if self._stay:
+            self._stay = False
+            self.references.begin(self.model)

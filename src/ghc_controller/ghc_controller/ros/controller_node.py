@@ -20,56 +20,43 @@ from functools import partial
 from typing import Any
 from uuid import uuid4
 
-from geometry_msgs.msg import WrenchStamped
-from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, Header
+from std_msgs.msg import Float64MultiArray
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot.library import load_robot
-from ghc_controller.ros.conversions.states import (
-    base_from_bytes,
-    read_joint_state,
-    wrench_from_bytes,
-)
 from ghc_controller.ros.mode_desk import ModeDesk
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.previews import PLANS, PlanInbox
-from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS, PLAN_QOS
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PLAN_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.requests import RequestDesk
 from ghc_controller.ros.run import run_node, tolerant
+from ghc_controller.ros.state_desk import StateDesk
 from ghc_controller.ros.status import Accounts
-from ghc_controller.ros.synchronizer import StateGate, Verdict
-from ghc_controller.ros.ticks import TickAnnouncer
-from ghc_controller.ros.wire.cdr import encode_header, read_stamp
 from ghc_controller.ros.wire.joint_state import (
-    JointStateDecoder,
     JointStateEncoder,
     JointStateValues,
 )
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
-from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Timeline
 from ghc_controller.safety.modes import Mode
 from ghc_controller.safety.plausibility import ImplausibleStart, StatePlausibility
 from ghc_controller.schema.reader import Fields
 from ghc_controller.settings import Settings
-from ghc_controller.types import NANOSECONDS, Array, RobotState
+from ghc_controller.types import Array, RobotState
 
 NODE_NAME = "controller"
-ODOMETRY = "odom"
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
 IDLE_PERIOD = 0.05  # [s] wall; requests are looked at although no state comes
 SWITCH_INTERVAL = 1e-4  # [s] wall
 DOUBT = 0.1  # [s] wall; states that are implausible for longer are a fault
 JOINT_POSITION = "joint_states.position"
-MOST_PERIODS = 20  # [-] of control between two states that follow each other, at most
 
 
 def _of_robot(given: Fields) -> ControllerParameters | None:
@@ -95,21 +82,12 @@ class ControllerNode:
         self._controller = Controller.for_robot(p.robot, p.settings)
         self._controller.warm_up()
         self._reader = JointStateReader(self._controller.model.joint_names)
-        base = (ODOMETRY,) if self._controller.model.floating_base else ()
-        self._gate: StateGate[JointStateValues] = StateGate(
-            base + p.wait_for_contacts,
-            p.wait_for_bounds,
-            round(p.bounds_step * NANOSECONDS),
-            Timeline(
-                max(MOST_AHEAD_NS, round(MOST_PERIODS * p.settings.control_dt * NANOSECONDS))
-            ),
-        )
-        self._announcer = TickAnnouncer(
-            round(p.settings.control_dt * NANOSECONDS), round(p.bounds_step * NANOSECONDS)
-        )
         self._rejections = Rejections()
-        self._plans = PlanInbox(self._controller, self._on_plan, self._reject)
-        self._modes = ModeDesk(self.node, self._controller, p.armed_by, self._gate.forget)
+        self._states = StateDesk(
+            self.node, p, self._controller.model.floating_base, self, self._reject
+        )
+        self._plans = PlanInbox(self._controller, self._states.plan, self._reject)
+        self._modes = ModeDesk(self.node, self._controller, p.armed_by, self._states.forget)
         self._plausibility = StatePlausibility(
             self._controller.model.joint_names, self._controller.model.limits
         )
@@ -119,13 +97,12 @@ class ControllerNode:
             self._controller,
             self._modes.logic,
             p.lockstep,
-            self._gate.forget,
+            self._states.forget,
             self._reject,
         )
         self._accounts = Accounts(self.node, self._controller, self._rejections, p.state_rate)
         self._now: float | None = None  # [s] of the last state
         self._answered_at = 0.0  # [s] wall
-        self._decoder = JointStateDecoder(read_joint_state)
         self._sender = f"{self.node.get_name()}.{uuid4().hex[:8]}"  # tells commanders apart
         self._epoch = ""  # as the states have it
         self._encoder = self._make_encoder("")
@@ -145,37 +122,15 @@ class ControllerNode:
     def _publish_and_listen(self) -> None:
         node, p = self.node, self._parameters
         self._commands = node.create_publisher(JointState, "joint_commands", CONTROL_PUBLISHER_QOS)
-        self._ticks = node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
         self._mirror = (
             node.create_publisher(Float64MultiArray, "/effort_controller/commands", 1)
             if p.mirror_commands
             else None
         )
-        node.create_subscription(
-            JointState,
-            "joint_states",
-            self._tolerant("joint_states", self._on_state),
-            CONTROL_SUBSCRIBER_QOS,
-            raw=True,
-        )
-        for name in p.wait_for_contacts:
-            node.create_subscription(
-                WrenchStamped,
-                f"contacts/{name}",
-                self._tolerant(f"contacts/{name}", partial(self._on_wrench, name)),
-                CONTROL_SUBSCRIBER_QOS,
-                raw=True,
-            )
-        if self._controller.model.floating_base:
-            node.create_subscription(
-                Odometry,
-                ODOMETRY,
-                self._tolerant(ODOMETRY, self._on_odometry),
-                CONTROL_SUBSCRIBER_QOS,
-                raw=True,
-            )
         for name, kind in PLANS.items():
-            take = self._tolerant(f"constraints/{name}", partial(self._plans.take, name))
+            take: Callable[[Any], None] = tolerant(
+                partial(self._plans.take, name), f"constraints/{name}", self._reject
+            )
             node.create_subscription(kind, f"constraints/{name}", take, PLAN_QOS)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
@@ -184,91 +139,25 @@ class ControllerNode:
             # The thread of the requests gives way to a state within this time.
             sys.setswitchinterval(SWITCH_INTERVAL)
 
-    def _tolerant(self, topic: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
-        return tolerant(callback, topic, self._reject)
-
     def _make_encoder(self, epoch: str) -> JointStateEncoder:
         names = self._controller.model.joint_names
         return JointStateEncoder(names, f"{epoch}@{self._sender}", motion=False)
 
-    def _on_state(self, data: bytes) -> None:
-        try:
-            state = self._decoder.decode(data)
-        except ValueError as error:
-            self._reject("joint_states", str(error))
-            return
-        overdue_ns = self._gate.waiting_ns
-        if overdue_ns is not None and state.stamp_ns > overdue_ns:
-            for name in self._gate.missing(overdue_ns):
-                self._reject(
-                    f"{name}.stamp",
-                    f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as joint_states has it",
-                )
-        verdict = self._gate.state(state, state.stamp_ns, state.frame_id)
-        if self._gate.timeline.resumed:
-            self._plausibility.resume()
-        if verdict not in (Verdict.STALE, Verdict.MALFORMED, Verdict.IMPLAUSIBLE):
-            self._announce(self._announcer.on_state(state.stamp_ns, self._gate.epoch))
-        self._handle(state, verdict)
+    def repeat(self) -> None:
+        """Send the command again: its state came again."""
+        self._commands.publish(self._command)
 
-    def _announce(self, tick_ns: int | None) -> None:
-        if tick_ns is not None:
-            self._ticks.publish(encode_header(tick_ns, str(self._gate.epoch)))
+    def resume(self) -> None:
+        """States were missed: the next one may be anywhere inside the limits."""
+        self._plausibility.resume()
 
-    def _on_odometry(self, data: bytes) -> None:
-        try:
-            base = base_from_bytes(data)
-        except InvalidValue as error:
-            self._reject(ODOMETRY, str(error))
-            return
-        self._continue(self._gate.companion(ODOMETRY, read_stamp(data), base))
-
-    def _on_plan(self, name: str, stamp_ns: int, epoch: int) -> None:
-        self._continue(self._gate.plan(name, stamp_ns, epoch))
-
-    def _continue(self, complete: tuple[JointStateValues, Verdict] | None) -> None:
-        if complete is not None:
-            self._handle(*complete)
-
-    def _on_wrench(self, name: str, data: bytes) -> None:
-        try:
-            wrench = wrench_from_bytes(data)
-        except InvalidValue as error:
-            self._reject(f"contacts/{name}", str(error))
-            return
-        self._continue(self._gate.companion(name, read_stamp(data), wrench))
-
-    def _handle(self, values: JointStateValues, verdict: Verdict) -> None:
-        if verdict is Verdict.REPEATED:
-            self._commands.publish(self._command)
-        elif verdict is Verdict.STALE:
-            self._reject(
-                "joint_states.stamp",
-                f"{values.stamp_ns / NANOSECONDS:.6f} s of epoch {values.frame_id or '0'} given, "
-                f"older than the last one; {self._gate.timeline.expected()}",
-            )
-        elif verdict is Verdict.IMPLAUSIBLE:
-            self._reject(
-                "joint_states.stamp",
-                f"{values.stamp_ns / NANOSECONDS:.6f} s of epoch {values.frame_id or '0'} given, "
-                f"{self._gate.timeline.expected()}",
-            )
-        elif verdict is Verdict.MALFORMED:
-            self._reject(
-                "joint_states.frame_id",
-                f"'{values.frame_id}' given, an epoch such as '0' (or nothing) expected",
-            )
-        elif verdict in (Verdict.NEW, Verdict.NEW_EPOCH):
-            self._answer(values, verdict is Verdict.NEW_EPOCH)
-
-    def _answer(self, values: JointStateValues, new_epoch: bool) -> None:
+    def answer(self, values: JointStateValues, new_epoch: bool) -> None:
+        """Answer a complete state of the run under way, the first one of a `new_epoch` or not."""
         controller, stamp_ns = self._controller, values.stamp_ns
-        wrenches = self._gate.values
-        base = wrenches.pop(ODOMETRY, None)
         try:
-            state = self._reader.read(values, self._gate.epoch, wrenches, base)
+            state = self._reader.read(values, self._states.epoch, *self._states.companions())
         except InvalidValue as error:
-            self._gate.forget()
+            self._states.forget()
             self._reject(str(error).split(":")[0], str(error))
             return
         if new_epoch:
@@ -282,7 +171,7 @@ class ControllerNode:
             self._accounts.reset()
         if begins:
             self._modes.begin(state.time)
-        self._plans.hand_over(self._gate.epoch, stamp_ns)
+        self._plans.hand_over(self._states.epoch, stamp_ns)
         if begins:
             controller.observe(state)
         self._now = state.time
@@ -290,6 +179,7 @@ class ControllerNode:
         self._requests.at(state.time)
         if self._modes.mode is Mode.LATCHED:
             self._send(values, controller.brake(state))
+            self._requests.tell(controller.take_events())  # what the fault has ended
             return
         try:
             result = controller.step(state)
@@ -300,7 +190,7 @@ class ControllerNode:
             return
         self._send(values, result.torque)
         self._requests.tell(result.events)
-        self._accounts.publish(stamp_ns, self._gate.epoch, result.status)
+        self._accounts.publish(stamp_ns, self._states.epoch, result.status)
         self._modes.stepped(state.time, result.status)
 
     def _send(self, values: JointStateValues, torque: Array) -> None:
@@ -311,8 +201,7 @@ class ControllerNode:
             self._encoder = self._make_encoder(self._epoch)
         self._command = self._encoder.encode(stamp_ns, torque)
         self._commands.publish(self._command)
-        self._gate.answered(stamp_ns)
-        self._announce(self._announcer.on_answer(stamp_ns, self._gate.epoch))
+        self._states.answered(stamp_ns)
         if self._mirror is not None:
             self._mirror.publish(Float64MultiArray(data=torque))
 
@@ -327,10 +216,11 @@ class ControllerNode:
         try:
             self._plausibility.check(state)
         except InvalidValue as error:
-            self._gate.forget()
-            self._reject(str(error).split(":")[0], str(error))
+            self._states.forget()
+            told = self._reject(str(error).split(":")[0], str(error))
             if isinstance(error, ImplausibleStart):
-                self._modes.logic.waits(f"cannot start: {error}")
+                if told:  # a measured position is another one in every state
+                    self._modes.logic.waits(f"cannot start: {error}")
             elif self._doubted_since is None:
                 self._doubted_since = now
             elif now - self._doubted_since > DOUBT and self._requests.is_open:
@@ -342,9 +232,12 @@ class ControllerNode:
             self._modes.logic.fault(self._plausibility.jumped)
         return True
 
-    def _reject(self, field: str, reason: str) -> None:
-        if self._rejections.count(field, time.monotonic()):
+    def _reject(self, field: str, reason: str) -> bool:
+        """Count a refusal; whether it was also logged, as the first of a field in a while is."""
+        told = self._rejections.count(field, time.monotonic())
+        if told:
             self.node.get_logger().warning(f"{field}: {reason}")
+        return told
 
     def _on_idle(self) -> None:
         if time.monotonic() - self._answered_at > IDLE_PERIOD:

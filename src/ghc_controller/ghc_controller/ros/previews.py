@@ -42,7 +42,7 @@ class PlanInbox:
         self,
         controller: Controller,
         received: Callable[[str, int, int], None],
-        reject: Callable[[str, str], None],
+        reject: Callable[[str, str], object],
     ) -> None:
         """Hand plans to `controller`.
 

@@ -56,7 +56,7 @@ class RequestDesk:
         modes: ModeLogic,
         lockstep: bool,
         changed: Callable[[], None],
-        reject: Callable[[str, str], None],
+        reject: Callable[[str, str], object],
     ) -> None:
         """Hand requests to `controller`.
 

@@ -58,7 +58,7 @@ def guarded(stop: Future, callback: Callable[P, R]) -> Callable[P, R | None]:
 def tolerant(
     callback: Callable[P, R],
     topic: str,
-    reject: Callable[[str, str], None],
+    reject: Callable[[str, str], object],
     fatal: tuple[type[Exception], ...] = (),
 ) -> Callable[P, R | None]:
     """Callback of `topic` that rejects a message instead of raising: the node lives.

@@ -46,9 +46,10 @@ class StateGate(Generic[M]):
         self._values: dict[str, Array] = {}
         self._plans = dict.fromkeys(plans, (-1, -1))  # epoch, stamp [ns]
         self._tick_ns = tick_ns
-        self._waiting: tuple[M, int, Verdict] | None = None
+        self._waiting: tuple[M, int] | None = None
         self._answered_ns = -1
         self._repeatable = False
+        self._begins = False  # a run has begun, and none of its states was answered yet
         self.epoch = 0
 
     @property
@@ -79,11 +80,15 @@ class StateGate(Generic[M]):
             return Verdict.IMPLAUSIBLE
         if place is Place.RESTARTED:
             self.epoch = number
-            self._repeatable = False
-            return self._complete(message, stamp_ns, Verdict.NEW_EPOCH)
+            self._repeatable, self._begins = False, True
+            self._plans = dict.fromkeys(self._plans, (-1, -1))
         if stamp_ns == self._answered_ns and self._repeatable:
             return Verdict.REPEATED
-        return self._complete(message, stamp_ns, Verdict.NEW)
+        if self.missing(stamp_ns):
+            self._waiting = (message, stamp_ns)
+            return Verdict.WAITING
+        self._waiting = None
+        return self._news
 
     def companion(self, name: str, stamp_ns: int, value: Array) -> tuple[M, Verdict] | None:
         """Take a companion; returns the state message that it completes, if any."""
@@ -101,7 +106,7 @@ class StateGate(Generic[M]):
     def answered(self, stamp_ns: int) -> None:
         """A command for this state was published."""
         self._answered_ns = stamp_ns
-        self._repeatable = True
+        self._repeatable, self._begins = True, False
 
     def forget(self) -> None:
         """Recompute the last state if it is repeated, since an input has changed."""
@@ -110,15 +115,11 @@ class StateGate(Generic[M]):
     def _completed(self) -> tuple[M, Verdict] | None:
         if self._waiting is None or self.missing(self._waiting[1]):
             return None
-        message, _, verdict = self._waiting
+        message, _ = self._waiting
         self._waiting = None
-        return message, verdict
+        return message, self._news
 
-    def _complete(self, message: M, stamp_ns: int, verdict: Verdict) -> Verdict:
-        if self._waiting is not None and self._waiting[2] is Verdict.NEW_EPOCH:
-            verdict = Verdict.NEW_EPOCH  # a repeat of the first state must not hide the reset
-        if not self.missing(stamp_ns):
-            self._waiting = None
-            return verdict
-        self._waiting = (message, stamp_ns, verdict)
-        return Verdict.WAITING
+    @property
+    def _news(self) -> Verdict:
+        """Of a state that was not answered before; a run begins with the first one that is."""
+        return Verdict.NEW_EPOCH if self._begins else Verdict.NEW

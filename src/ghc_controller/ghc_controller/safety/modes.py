@@ -30,7 +30,8 @@ class ModeLogic:
     """Says which mode is in force, and why.
 
     waiting -> holding (first state) -> active (armed) -> latched (fault) -> holding (reset).
-    With Arming.AUTOMATIC: waiting -> active.
+    With Arming.AUTOMATIC: waiting -> active. A run that cannot begin where the robot is leads back
+    to waiting, unless a fault is latched.
     """
 
     def __init__(self, arming: Arming, changed: Callable[[], None]) -> None:
@@ -54,14 +55,16 @@ class ModeLogic:
             self._set(Mode.HOLDING, f"started where the robot is; {self._way_on}")
 
     def waits(self, reason: str) -> None:
-        """The robot cannot be taken over as it is."""
-        if self.mode is Mode.WAITING and reason != self.reason:
+        """A run cannot begin with the robot as it is."""
+        if self.mode is not Mode.LATCHED and (self.mode, self.reason) != (Mode.WAITING, reason):
             self._set(Mode.WAITING, reason)
 
     def refusal(self) -> str:
         """Why a request cannot be taken now; "" if it can."""
         if self.mode is Mode.LATCHED:
             return f"the controller is latched ({self.reason})"
+        if self.mode is Mode.WAITING:
+            return f"the controller is waiting ({self.reason})"
         if self.mode is Mode.HOLDING and self.arming is Arming.EXPLICIT:
             return f"the controller is holding the robot; {self._way_on}"
         return ""

@@ -7,9 +7,11 @@ which the robot was held, the anchor is the holding torque, as near as the rate 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ghc_controller.types import Array
+from ghc_controller.types import Array, RobotState
 
 FIRST_SHARE = 0.1  # [-] of the torque limit: how far a first report may be from holding still
 HOLD_TIME = 0.02  # [s] of silence, after which a bridge or driver holds the robot
@@ -23,14 +25,23 @@ class RateAnchor:
     reported in between.
     """
 
-    def __init__(self, torque_limit: Array, torque_step: Array, control_dt: float) -> None:
+    def __init__(
+        self,
+        torque_limit: Array,
+        torque_step: Array,
+        control_dt: float,
+        floating_base: bool = False,
+    ) -> None:
         """Nothing sent yet.
 
         Args:
             torque_limit: (a,) [Nm], inf where there is none.
             torque_step: (a,) [Nm] largest change in one control period; inf = no limit.
             control_dt: [s] control period.
+            floating_base: how such a robot is held is not known here: the first report is
+                believed within the torque limit, and after a hold it goes on from what was sent.
         """
+        self._floating_base = floating_base
         self._limit = torque_limit
         self._step = torque_step
         self._period = control_dt
@@ -46,10 +57,19 @@ class RateAnchor:
         """Note the torque (a,) [Nm] that answers the state of `time` [s]."""
         self._sent, self._time = torque, time
 
-    @property
-    def is_set(self) -> bool:
-        """True once there is an anchor."""
-        return self._sent is not None
+    def before(self, state: RobotState, holding: Callable[[], Array]) -> Array:
+        """Anchor (a,) [Nm] for the answer to a state.
+
+        Args:
+            holding: gives the torque (a,) [Nm] that holds the robot still at this state; called
+                only where it is needed.
+        """
+        if self._sent is None:
+            share = np.inf if self._floating_base else FIRST_SHARE
+            return self.first(state.torque, holding(), share)
+        if self._floating_base or not self.is_held(state.time):
+            return self.at(state.time)
+        return self.at(state.time, holding())
 
     def first(self, reported: Array | None, holding: Array, share: float = FIRST_SHARE) -> Array:
         """Anchor (a,) [Nm] for the first torque.

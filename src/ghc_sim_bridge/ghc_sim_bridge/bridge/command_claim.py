@@ -23,6 +23,10 @@ class CommandClaim:
             return False
         return now - self._heard_at < CLAIM_TIME
 
+    def takes_over(self, sender: str) -> bool:
+        """Whether a command of `sender`, if it is used, ends the claim of another one."""
+        return self.sender is not None and sender != self.sender
+
     def heard(self, sender: str, now: float, used: bool) -> None:
         """Note a command that was not blocked; one that was `used` makes its sender commander."""
         if used or sender == self.sender:

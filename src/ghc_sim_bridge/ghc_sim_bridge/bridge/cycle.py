@@ -17,6 +17,8 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer, Source
 from ghc_sim_bridge.simulation.simulator import Simulator
 from ghc_sim_bridge.simulation.standing_hold import StandingHold
 
+TAKEOVER_PERIODS = 2  # [-] the controller's own change, and one of the hold since the state
+
 
 class BaseState(NamedTuple):
     """Of a base that floats; empty for one that is fixed."""
@@ -71,6 +73,15 @@ class ControlCycle:
         self.simulator.reset()
         self._standing.release()
         self._observe()
+
+    def continues(self, commanded: Array) -> bool:
+        """Whether a command (n,) [Nm] is near the torque that is applied.
+
+        Within TAKEOVER_PERIODS of the rate limit, as the first torque of a controller that takes
+        over a robot at rest is.
+        """
+        room = TAKEOVER_PERIODS * self._gate.torque_step_limit
+        return bool((np.abs(commanded - self.simulator.torque) <= room).all())
 
     def advance(self, commanded: Array | None) -> GatedTorque:
         """Simulate one period under `commanded` (n,) [Nm], or held when there is none."""

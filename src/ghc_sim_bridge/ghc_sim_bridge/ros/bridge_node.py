@@ -33,35 +33,29 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
-from ghc_controller.errors import GhcError
 from ghc_controller.ros.conversions.common import diagnostics_message
-from ghc_controller.ros.conversions.states import read_joint_state
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import (
     CLOCK_QOS,
     CONTROL_PUBLISHER_QOS,
-    CONTROL_SUBSCRIBER_QOS,
     LOSSLESS_PUBLISHER_QOS,
 )
-from ghc_controller.ros.rejections import Rejections
-from ghc_controller.ros.run import guarded, run_node, tolerant
-from ghc_controller.safety.torque_gate import GatedTorque, TorqueGate
+from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_controller.types import NANOSECONDS
-from ghc_sim_bridge.bridge.command_claim import CommandClaim
-from ghc_sim_bridge.bridge.commands import CommandDecoder, CommandRejected
 from ghc_sim_bridge.bridge.cycle import ControlCycle
-from ghc_sim_bridge.bridge.diagnostics import EXPECTED, BridgeDiagnostics
+from ghc_sim_bridge.bridge.diagnostics import BridgeDiagnostics
 from ghc_sim_bridge.bridge.lockstep import LockstepMode
 from ghc_sim_bridge.bridge.patient_publishing import patient
 from ghc_sim_bridge.bridge.publisher import WORLD_FRAME, Observe, Publish, StatePublisher
 from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
+from ghc_sim_bridge.ros.command_desk import CommandDesk
 from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.others import (
     YoungBridge,
     clock_belongs_to_another,
-    publishers_of,
     refuse_second_bridge,
 )
 from ghc_sim_bridge.ros.parameters import BridgeParameters
@@ -107,8 +101,7 @@ class SimBridge:
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
         self._parameters = p = read_parameters(self.node, BridgeParameters)
         self.executor = p.executor
-        refuse_second_bridge(self.node)
-        self._claim = CommandClaim()
+        since = time.monotonic()
         simulator = Simulator(
             p.scene,
             control_dt=p.control_dt,
@@ -127,10 +120,9 @@ class SimBridge:
         self._rows_saved = -1  # a run that was stopped at once leaves an empty log, not none
         self._cycle = ControlCycle(simulator, gate, self._log)
         self._stop_ns = round(p.stop_time * NANOSECONDS) if p.stop_time > 0.0 else NEVER_NS
-        self._rejections = Rejections()
-        self._health = BridgeDiagnostics(self._rejections)
-        self._refusal = ""  # why the last command was refused; empty after a good one
-        self._decoder = CommandDecoder(simulator.joint_names, read_joint_state)
+        self._commands = CommandDesk(self.node, self._cycle)
+        self._health = BridgeDiagnostics(self._commands.rejections)
+        refuse_second_bridge(self.node, since)
         self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
@@ -183,24 +175,20 @@ class SimBridge:
         p, publish = self._parameters, partial(self._publisher.publish, self._cycle)
         if p.mode == "realtime":
             watchdog = Watchdog(round(p.watchdog_timeout * NANOSECONDS))
-            return RealtimeMode(self._cycle, publish, self._applied, watchdog, self._stop_ns)
+            applied = self._commands.applied
+            return RealtimeMode(self._cycle, publish, applied, watchdog, self._stop_ns)
         return LockstepMode(
             self._cycle,
             publish,
-            self._applied,
+            self._commands.applied,
             p.lockstep_timeout,
             self._stop_ns,
-            lambda: self._refusal,
+            lambda: self._commands.refusal,
         )
 
     def _listen(self, stop: Future) -> None:
         node = self.node
-        # What ends the bridge is the simulation or the disk, never a message.
-        take = tolerant(self._on_command, "message", self._reject, (GhcError, OSError))
-        on_command = guarded(stop, take)
-        node.create_subscription(
-            JointState, "joint_commands", on_command, CONTROL_SUBSCRIBER_QOS, raw=True
-        )
+        self._commands.listen(self._mode, self._save_log_at_end, stop)
         node.create_service(Trigger, "~/reset", self._on_reset)
         node.create_service(SetBool, "~/pause", self._on_pause)
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -208,48 +196,9 @@ class SimBridge:
         node.create_timer(self._mode.tick_period, guarded(stop, self._on_tick), clock=wall)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
-    def _on_command(self, data: bytes) -> None:
-        try:
-            stamp_ns, torque, sender = self._decoder.decode(data, self._cycle.epoch)
-        except CommandRejected as error:
-            self._refusal = str(error)
-            self._reject(error.field, self._refusal)
-            return
-        if self._claim.blocks(sender, time.monotonic()):
-            self._ignore(sender)
-            return
-        now_ns = self._cycle.time_ns
-        unwanted = self._mode.command(stamp_ns, torque)
-        self._claim.heard(sender, time.monotonic(), used=not unwanted)
-        if unwanted:
-            given, now = stamp_ns / NANOSECONDS, now_ns / NANOSECONDS
-            self._reject(unwanted, f"stamp {given:.6f} s given at t = {now:.6f} s ({unwanted})")
-            return
-        self._refusal = ""
-        self._save_log_at_end()
-
-    def _ignore(self, sender: str) -> None:
-        """A second commander: count it, and name it once in a while."""
-        if self._rejections.count("second_commander", time.monotonic()):
-            self.node.get_logger().warning(
-                f"joint_commands: sender '{sender}' ignored while '{self._claim.sender}' commands "
-                f"the robot; publishers: {', '.join(publishers_of(self.node, 'joint_commands'))}"
-            )
-
     def _on_tick(self) -> None:
         self._mode.tick()
         self._save_log_at_end()
-
-    def _applied(self, gated: GatedTorque) -> None:
-        if gated.limit_hit:
-            self._reject("torque_limit", "effort beyond the torque limits was clipped")
-        if gated.rate_hit:
-            self._reject("torque_rate", "effort beyond the torque rate limit was clipped")
-
-    def _reject(self, field: str, reason: str) -> None:
-        warn = self._rejections.count(field, time.monotonic())
-        if warn and field not in EXPECTED:
-            self.node.get_logger().warning(f"joint_commands: {reason}")
 
     def _on_reset(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         self._cycle.reset()

@@ -18,31 +18,40 @@ from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
 from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS
 
 DISCOVERY = 0.25  # [s] wall; a bridge that runs on this host is known by then
+NAMING = 5.0  # [s] wall; discovery knows a publisher before it knows the name of its node
 LISTENING = 1.0  # [s] wall; one that runs publishes at least every 50 ms, also while paused
 YOUTH = 5  # [s] wall
 AHEAD_NS = 200_000_000  # [ns] a state of an older bridge is ahead, at least
 IN_A_ROW = 20  # [-] such states that are enough
 STATES, CLOCK = "joint_states", "/clock"
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"  # what rcl says of an endpoint before its node is discovered
+_NAMELESS = "a node whose name is not known"
 
 
 def publishers_of(node: Node, topic: str) -> list[str]:
-    """Full names of the nodes that publish a topic, sorted; discovery may lag behind."""
+    """Full names of the nodes that publish a topic, one per publisher, sorted.
+
+    Discovery may lag behind with a name, see `_others`.
+    """
     entries = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
-    names = {f"{entry.node_namespace.rstrip('/')}/{entry.node_name}" for entry in entries}
-    return sorted("a node whose name is not known yet" if _UNKNOWN in n else n for n in names)
+    names = (f"{entry.node_namespace.rstrip('/')}/{entry.node_name}" for entry in entries)
+    return sorted(_NAMELESS if _UNKNOWN in name else name for name in names)
 
 
-def refuse_second_bridge(node: Node) -> None:
+def refuse_second_bridge(node: Node, since: float) -> None:
     """Wait until others are known, and refuse to be the second one that publishes states.
 
     A publisher that is known and says nothing does not count: it was killed, and the middleware
     has not noticed yet.
 
+    Args:
+        node: publishes no states yet.
+        since: [s] of time.monotonic(), when the node was created: discovery goes on meanwhile.
+
     Raises:
         ConfigurationError: somebody publishes joint states here; names who.
     """
-    deadline = time.monotonic() + DISCOVERY
+    deadline = since + DISCOVERY
     while not node.count_publishers(STATES):
         if time.monotonic() > deadline:
             return
@@ -68,9 +77,21 @@ def refuse_second_bridge(node: Node) -> None:
 def _second(node: Node) -> str:
     return (
         f"{node.resolve_topic_name(STATES)} is published already by "
-        f"{', '.join(publishers_of(node, STATES))}: one bridge or driver per robot is expected; "
+        f"{', '.join(_others(node, STATES))}: one bridge or driver per robot is expected; "
         "a second robot needs a namespace or domain of its own"
     )
+
+
+def _others(node: Node, topic: str) -> list[str]:
+    """Who else publishes a topic; waits for names that discovery does not know yet."""
+    deadline = time.monotonic() + NAMING
+    while _NAMELESS in (names := publishers_of(node, topic)) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    own, full_topic = node.get_fully_qualified_name(), node.resolve_topic_name(topic)
+    for publisher in node.publishers:
+        if publisher.topic_name == full_topic and own in names:
+            names.remove(own)
+    return names
 
 
 class YoungBridge:
@@ -119,5 +140,5 @@ class YoungBridge:
 
 def clock_belongs_to_another(node: Node) -> bool:
     """Whether a node whose name comes first in the alphabet publishes the clock as well."""
-    own = f"{node.get_namespace().rstrip('/')}/{node.get_name()}"
+    own = node.get_fully_qualified_name()
     return any(name < own for name in publishers_of(node, CLOCK))

@@ -23,9 +23,12 @@ class TickAnnouncer:
     def on_state(self, stamp_ns: int, epoch: int) -> int | None:
         """Start [ns] of the tick to announce when a state arrives; None = it is known.
 
-        The tick of a state that comes again is announced again: somebody waits for its plan.
+        The tick of a state that comes again is announced again: somebody waits for its plan. A
+        state before the last one is that of a robot that has started again: so do the ticks.
         """
         repeated = (epoch, stamp_ns) == self._received
+        if (epoch, stamp_ns) < self._received:
+            self._announced, self._received = (-1, -1), (-1, -1)
         if epoch != self._received[0]:
             self._first_ns = stamp_ns
         self._received = (epoch, stamp_ns)
