@@ -15,7 +15,7 @@ Faults injected over DDS into the running nodes, and what came of them. `make fa
 Bridge and controller run in real time as by hand (`arming:=request`, torque rate limit 1000 Nm/s, watchdog 20 ms), KUKA LWR, control period 5 ms ("1 kHz": 1 ms). A process of its own listens to `joint_states` and `joint_commands` and judges what was commanded and applied; forged messages are told from true ones by the order of their joints. Most faults come while the arm swings to and fro between two targets. A row holds when every run of it keeps its limits, no node is dead, and no number on the wire is not finite.
 
 - **torque**, **speed**: largest applied torque and joint velocity, of the limits of the URDF; at most 1 and 2 (4 where a forged obstacle pushes the arm).
-- **rate**: largest change of an applied torque between two periods [Nm/s at the control period], at most 1000 over every edge. **commanded**: the same of what the controller sent, over states that it answered.
+- **rate**: largest change of an applied torque between two periods [Nm/s at the control period], at most 1000 over every edge. **commanded**: the same of what controllers sent, over states that they answered; not judged, since two of them in turn jump.
 - **hold**: from the last command before the longest silence to the first state under a hold [ms of the bridge's clock], at most 20 ms and two periods. Only where the controller is killed in motion.
 - **recovery**: wall time from the end of the fault until a state is answered and a request is served, the slowest run [s].
 - **dropped**: control periods that the bridge was too late for, all runs together: starvation by the machine, not by the fault.

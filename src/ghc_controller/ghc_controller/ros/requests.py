@@ -122,7 +122,8 @@ class RequestDesk:
                 self._refuse(topic, "", f"more than {MOST_WAITING} requests wait")
 
     def _put(self, ready: Ready) -> None:
-        if self._lockstep and self._now is not None:
+        """In lockstep: at once, or for the first state."""
+        if self._now is not None:
             ready(self._now)
         elif len(self._ready) >= MOST_WAITING:
             self._ready.popleft()

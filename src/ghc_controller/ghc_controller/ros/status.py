@@ -57,7 +57,8 @@ class Accounts:
     def _publish_state(self) -> None:
         controller = self._controller
         report = controller.report()
-        report.counts.update({f"rejected_{k}": n for k, n in self._rejections.counts.items()})
+        rejected = dict(self._rejections.counts)  # the thread of the requests counts as well
+        report.counts.update({f"rejected_{k}": n for k, n in rejected.items()})
         message = controller_state_message(
             report,
             controller.formulation.name,
