@@ -116,8 +116,9 @@ def test_standing(measured: dict[str, Found]) -> None:
     assert found["2 cm"]["error_m"] <= 1e-4
     assert found["2 cm"]["without_qp"] >= 0.98
     assert found["8 cm sideways"]["fell_at_s"] is None
-    assert set(found["8 cm sideways"]["status"]) >= {"SOLVED"}
-    assert found["8 cm sideways"]["status"]["FALLBACK"] == 0
+    ticks = found["8 cm sideways"]["status"]
+    assert ticks["SOLVED"] > 0
+    assert ticks["RELAXED"] == ticks["FALLBACK"] == 0
 
 
 def test_position_limits_hold_in_the_aggressive_loop(measured: dict[str, Found]) -> None:
