@@ -46,7 +46,8 @@ class Range(Domain):
     @property
     def words(self) -> str:
         """Such as > 0."""
-        return self._limits().strip().replace("above", ">").replace(">=", "≥")
+        words = self._limits().strip().replace("above", ">").replace(">=", "≥")
+        return words.replace(" and at most", ", ≤").replace("at most", "≤")
 
     def schema(self) -> dict[str, Any]:
         """minimum, exclusiveMinimum, maximum."""
@@ -63,9 +64,14 @@ class Range(Domain):
     def _limits(self) -> str:
         if math.isfinite(self.maximum) and math.isfinite(self.minimum):
             return f" in [{self.minimum:g}, {self.maximum:g}]"
+        limits = []
         if self.above > -math.inf:
-            return f" above {self.above:g}"
-        return f" >= {self.minimum:g}" if self.minimum > -math.inf else ""
+            limits.append(f" above {self.above:g}")
+        elif self.minimum > -math.inf:
+            limits.append(f" >= {self.minimum:g}")
+        if self.maximum < math.inf:
+            limits.append(f" at most {self.maximum:g}")
+        return " and".join(limits)
 
 
 @dataclass(frozen=True, slots=True)
