@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from benchmarks.studies import load_studies
+from benchmarks.studies.phases import BASELINE, RATIO_GOALS
 from ghc_controller.formulations import DEFAULT_FORMULATION
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(7200)]
@@ -104,6 +105,9 @@ def test_ramps_of_random_postures_are_calm(measured: dict[str, Found]) -> None:
 def test_the_phases_of_the_demo(measured: dict[str, Found]) -> None:
     """Accuracy, rest, torque rate at 1 ms and jerk of `priority_switching`."""
     phases = _run(measured, "phases", DEFAULT_FORMULATION, _AT_ONCE)["defaults"]["phases"]
+    switch = measured["phases"][_AT_ONCE][BASELINE]["phases"][1]
+    for key, ratio in RATIO_GOALS.items():
+        assert switch[key] >= ratio * phases[1][key]
     assert max(phase["first"] for phase in phases) <= 3e-5
     assert max(phase["speed"] for phase in phases) <= 1e-3
     assert max(phase["torque_rate"] for phase in phases[1:]) <= 300.0
