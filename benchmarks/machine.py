@@ -8,17 +8,20 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from benchmarks.code_version import commit
+
 _PACKAGES = ("numpy", "numba", "pin", "daqp", "proxsuite", "mujoco-core", "icub-models")
 
 
 def machine_facts() -> dict[str, Any]:
-    """CPU, cores and versions."""
+    """CPU, cores, versions, and the commit that is measured."""
     return {
         "cpu": _cpu_model(),
         "cores": os.cpu_count(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
         "versions": {name: found for name in _PACKAGES if (found := _version(name))},
+        "commit": commit(),
     }
 
 

@@ -60,6 +60,7 @@ def page(result: Result) -> str:
     A table that compares formulations needs all that it names.
     """
     text = _TEMPLATE.read_text(encoding="utf-8")
+    text = text.replace("<!-- commit -->", result.get("commit") or "not recorded")
     for name, write in _TABLES.items():
         text = text.replace(f"<!-- table: {name} -->", write(result))
     return text

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -11,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-import ghc_controller
+from benchmarks.code_version import commit, other_code, sources
 from benchmarks.studies import Study, StudyWithFigure, StudyWithPage
 from ghc_controller.types import Array
 from ghc_sim_bridge.programs.markdown import picture
@@ -35,7 +34,7 @@ def store(folder: Path, name: str, result: Mapping[str, Any]) -> dict[str, Any]:
     and the sources of the controller are the same; otherwise the file is replaced.
     """
     path = folder / f"{name}.json"
-    new = rounded(result) | {"sources": sources()}
+    new = rounded(result) | {"sources": sources(), "commit": commit()}
     if path.exists():
         old = json.loads(path.read_text(encoding="utf-8"))
         if all(old.get(part) == new[part] for part in ("facts", "sources")):
@@ -44,15 +43,6 @@ def store(folder: Path, name: str, result: Mapping[str, Any]) -> dict[str, Any]:
     text = json.dumps(new, indent=1, sort_keys=True, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")
     return json.loads(text)
-
-
-def sources() -> str:
-    """Digest of the controller's code: results of different code do not stand in one table."""
-    package = Path(ghc_controller.__file__).parent
-    digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py"), key=lambda path: path.name):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
 
 
 def rounded(value: Any) -> Any:
@@ -96,17 +86,24 @@ def write_document(folder: Path, studies: Mapping[str, Study]) -> None:
 
     Figures go to figures/ beside it, pages of studies that have one beside it too.
     """
+    files = {name: folder / f"{name}.json" for name in studies}
+    results = {
+        name: json.loads(path.read_text(encoding="utf-8"))
+        for name, path in files.items()
+        if path.exists()
+    }
+    if not results:
+        return
     parts = [_INTRODUCTION]
-    for name, study in studies.items():
-        path = folder / f"{name}.json"
-        if path.exists():
-            result = json.loads(path.read_text(encoding="utf-8"))
-            parts.append(f"## {study.TITLE}\n\n`{name}`. {study.table(result)}\n")
-            if isinstance(study, StudyWithFigure):
-                study.plot(result, folder.parent / "figures" / study.FIGURE)
-                parts.append(picture(study.FIGURE, study.CAPTION) + "\n")
-            if isinstance(study, StudyWithPage):
-                target = folder.parent / study.PAGE
-                target.write_text(study.page(result), encoding="utf-8")
-    if len(parts) > 1:
-        folder.with_suffix(".md").write_text("\n".join(parts), encoding="utf-8")
+    if sentence := other_code(results):
+        parts.append(sentence + "\n")
+    for name, result in results.items():
+        study = studies[name]
+        parts.append(f"## {study.TITLE}\n\n`{name}`. {study.table(result)}\n")
+        if isinstance(study, StudyWithFigure):
+            study.plot(result, folder.parent / "figures" / study.FIGURE)
+            parts.append(picture(study.FIGURE, study.CAPTION) + "\n")
+        if isinstance(study, StudyWithPage):
+            target = folder.parent / study.PAGE
+            target.write_text(study.page(result), encoding="utf-8")
+    folder.with_suffix(".md").write_text("\n".join(parts), encoding="utf-8")

@@ -27,6 +27,7 @@ def run_job(job: Job) -> dict[str, object]:
     for name in _THREADS:  # before NumPy is imported, where it is not yet
         os.environ.setdefault(name, "1")
     import ghc_controller as ghc
+    from benchmarks.code_version import commit
     from benchmarks.compare.cases import CASES
     from benchmarks.study_results import rounded
 
@@ -35,7 +36,8 @@ def run_job(job: Job) -> dict[str, object]:
         result = case.run(case.methods[job.method], job.quick)
     except ghc.GhcError as error:
         result = {"rejected": str(error)}
-    return rounded(result) | {"sources": job_digest(job), "quick": job.quick}
+    origin = {"sources": job_digest(job), "commit": commit()}
+    return rounded(result) | origin | {"quick": job.quick}
 
 
 @cache

@@ -102,8 +102,9 @@ def _machine(results: dict[str, Any]) -> str:
     short = "**A short run: too few steps for figures to be quoted.** "
     versions = ", ".join(f"{name} {number}" for name, number in facts["versions"].items())
     return (short if results["settings"]["quick"] else "") + (
-        f"Measured on {facts['cores']} cores of {facts['cpu']}, {facts['system']}, Python "
-        f"{facts['python']}, {versions}. The machine is shared: load average {load['before']:g} "
+        f"Measured at commit {facts['commit'] or 'unknown'} on {facts['cores']} cores of "
+        f"{facts['cpu']}, {facts['system']}, Python {facts['python']}, {versions}. "
+        f"The machine is shared: load average {load['before']:g} "
         f"before and {load['after']:g} at the end, of which this benchmark is about 1. A fixed "
         f"loop of plain Python, timed in between, took {pace['best_us']:.0f} us at its fastest "
         f"and {pace['median_us']:.0f} us in the median: that is the pace of the machine itself, "

@@ -30,12 +30,12 @@ class Variant(NamedTuple):
 
 _DEFAULTS = (Variant("defaults", ghc.FormulationSettings()),)
 _PAPER = ghc.FormulationSettings(velocity_damping=0.0)
-_BASELINE = "at once, damped as in the literature"  # the hqp of the goals
+BASELINE = "at once, damped as in the literature"  # the hqp of the goals
 _BRAKED = ghc.FormulationSettings(hqp_damps_velocity=True)
 _VARIANTS = {
     "ghc": (*_DEFAULTS, Variant("as in the paper", _PAPER)),
     "hqp": (
-        Variant(_BASELINE, ghc.FormulationSettings(), at_once=True),
+        Variant(BASELINE, ghc.FormulationSettings(), at_once=True),
         Variant("at once, hqp_damps_velocity", _BRAKED, at_once=True),
     ),
 }
@@ -128,7 +128,7 @@ def _goals(found: dict[str, Any]) -> list[list[str]]:
         for key, what in (("torque_rate", "torque rate"), ("jerk", "jerk integral")):
             ratio = other["phases"][_SWITCH][key] / mine[_SWITCH][key]
             goal, mark = "-", ""  # for comparison
-            if title == _BASELINE:
+            if title == BASELINE:
                 goal = f"at least {RATIO_GOALS[key]:g} times"
                 mark = "met" if ratio >= RATIO_GOALS[key] else "missed"
             lines.append(

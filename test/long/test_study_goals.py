@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from benchmarks.studies import load_studies
+from benchmarks.studies.phases import BASELINE, RATIO_GOALS
 from ghc_controller.formulations import DEFAULT_FORMULATION
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(7200)]
@@ -104,6 +105,9 @@ def test_ramps_of_random_postures_are_calm(measured: dict[str, Found]) -> None:
 def test_the_phases_of_the_demo(measured: dict[str, Found]) -> None:
     """Accuracy, rest, torque rate at 1 ms and jerk of `priority_switching`."""
     phases = _run(measured, "phases", DEFAULT_FORMULATION, _AT_ONCE)["defaults"]["phases"]
+    switch = measured["phases"][_AT_ONCE][BASELINE]["phases"][1]
+    for key, ratio in RATIO_GOALS.items():
+        assert switch[key] >= ratio * phases[1][key]
     assert max(phase["first"] for phase in phases) <= 3e-5
     assert max(phase["speed"] for phase in phases) <= 1e-3
     assert max(phase["torque_rate"] for phase in phases[1:]) <= 300.0
@@ -116,8 +120,9 @@ def test_standing(measured: dict[str, Found]) -> None:
     assert found["2 cm"]["error_m"] <= 1e-4
     assert found["2 cm"]["without_qp"] >= 0.98
     assert found["8 cm sideways"]["fell_at_s"] is None
-    assert set(found["8 cm sideways"]["status"]) >= {"SOLVED"}
-    assert found["8 cm sideways"]["status"]["FALLBACK"] == 0
+    ticks = found["8 cm sideways"]["status"]
+    assert ticks["SOLVED"] > 0
+    assert ticks["RELAXED"] == ticks["FALLBACK"] == 0
 
 
 def test_position_limits_hold_in_the_aggressive_loop(measured: dict[str, Found]) -> None:

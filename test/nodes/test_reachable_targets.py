@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import signal
 import time
 from collections.abc import Callable
@@ -22,6 +23,7 @@ from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 DEADLINE = 120.0  # [s] wall
 GOAL = np.array([0.45, 0.25, 0.6])  # [m]
 PERIOD = 20_000_000  # [ns] of the stream
+FORGED = (2**31 - 1) * 1_000_000_000  # [ns] a stamp that is not the robot's
 
 
 class Operator:
@@ -38,19 +40,25 @@ class Operator:
         self.sends = False
         self._due = 0
         self.now = -1  # [ns]
+        self.goal = GOAL
+        self.state = JointState()
         listen = self.node.create_subscription
         self.poses = self.node.create_publisher(PoseStamped, "targets/end_effector", 10)
         self.points = self.node.create_publisher(PointStamped, "target_points/end_effector", 10)
+        self.states = self.node.create_publisher(JointState, "joint_states", 10)
         listen(JointState, "joint_states", self._on_state, CONTROL_SUBSCRIBER_QOS)
         listen(TaskReference, "ghc/task_reference", self.references.append, RELIABLE_QOS)
         listen(ControllerState, "ghc/controller_state", self._on_controller, STREAM_QOS)
         listen(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def _on_state(self, message: JointState) -> None:
-        self.now = nanoseconds_from_time(message.header.stamp)
+        stamp = nanoseconds_from_time(message.header.stamp)
+        if stamp == FORGED:
+            return
+        self.now, self.state = stamp, message
         if self.sends and self.now >= self._due:
             self._due = self.now + PERIOD
-            self.poses.publish(self.pose(GOAL))
+            self.poses.publish(self.pose(self.goal))
 
     def pose(self, position: np.ndarray, frame: str = "") -> PoseStamped:
         message = PoseStamped()
@@ -59,6 +67,21 @@ class Operator:
         target = message.pose.position
         target.x, target.y, target.z = (float(value) for value in position)
         return message
+
+    def forge_states_until(self, condition: Callable[[], Any], what: str) -> None:
+        """The last state, as if it came from the end of time; again, since one may be lost."""
+        forged = copy.deepcopy(self.state)
+        forged.header.stamp = time_from_nanoseconds(FORGED)
+        due = 0.0
+
+        def met() -> bool:
+            nonlocal due
+            if time.monotonic() >= due:
+                self.states.publish(forged)
+                due = time.monotonic() + 0.5  # [s] true states come between
+            return bool(condition())
+
+        self.until(met, what)
 
     def _on_controller(self, message: ControllerState) -> None:
         for task in message.tasks:
@@ -86,7 +109,7 @@ def operator(ros_context: Any) -> Any:
 
 
 def test_a_stream_moves_the_robot_to_its_target(operator: Operator, start_node: Any) -> None:
-    """KUKA in lockstep, poses at 50 Hz of its time; bad ones between them change nothing."""
+    """KUKA in lockstep, poses at 50 Hz of its time; bad ones and a forged state change nothing."""
     arguments = ("--ros-args", "-p", "robot:=kuka_lwr")
     targets = start_node("ghc_controller", "reachable_targets", *arguments)
     controller = start_node("ghc_controller", "controller", *arguments)
@@ -102,8 +125,11 @@ def test_a_stream_moves_the_robot_to_its_target(operator: Operator, start_node: 
     operator.points.publish(PointStamped(header=operator.pose(GOAL, "camera").header))
     rejected = ("rejected_targets/end_effector", "rejected_target_points/end_effector")
     operator.until(lambda: all(name in operator.diagnostics for name in rejected), "not counted")
+    stamp = "rejected_joint_states.stamp"
+    operator.forge_states_until(lambda: stamp in operator.diagnostics, "forged state not counted")
+    operator.goal = GOAL + np.array([0.0, -0.1, 0.0])  # states after the forged one count
     operator.until(
-        lambda: np.abs(operator.reference - GOAL).max() < 1e-4 and operator.error < 1e-3,
+        lambda: np.abs(operator.reference - operator.goal).max() < 1e-4 and operator.error < 1e-3,
         "the robot did not come to the target",
     )
     first = operator.references[0]
@@ -126,6 +152,7 @@ def test_a_stream_moves_the_robot_to_its_target(operator: Operator, start_node: 
         ),
         (("robot:=kuka_lwr", "stamps:=wall"), "'wall' given; known: header, arrival"),
         (("robot:=kuka_lwr", "velocity_share:=2.0"), "in (0, 1] expected, 2.0 given"),
+        (("robot:=kuka_lwr", "period:=0.0001"), "in [0.005, 0.05] expected"),
     ],
 )
 def test_parameters_that_cannot_be_used_are_refused(

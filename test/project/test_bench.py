@@ -126,7 +126,7 @@ def test_ratios_and_goals_follow_from_the_rows(results: dict[str, Any]) -> None:
 
 def test_facts_name_no_machine_and_no_folder(folder: Path, results: dict[str, Any]) -> None:
     text = (folder / "bench.json").read_text(encoding="utf-8")
-    assert set(results["machine"]) == {"cpu", "cores", "system", "python", "versions"}
+    assert set(results["machine"]) == {"cpu", "cores", "system", "python", "versions", "commit"}
     assert Path("/etc/hostname").read_text(encoding="utf-8").strip() not in text
     assert str(Path.home()) not in text
     assert str(folder) not in text

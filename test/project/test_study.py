@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
+from benchmarks.code_version import commit, other_code, sources
 from benchmarks.problems.bounded_problems import bounded_problems
 from benchmarks.problems.conflicting_targets import APART, conflicting_pairs
 from benchmarks.problems.problem_check import is_feasible, violation
@@ -37,7 +39,7 @@ def test_a_study_runs_in_small_and_shows_what_it_measured(name: str, tmp_path: P
     formulation = study.FORMULATIONS[0]
     folder = tmp_path / "study"
     result = store(folder, name, study.run(True, (formulation,)))
-    assert set(result) == {"facts", "formulations", "sources"}
+    assert set(result) == {"facts", "formulations", "sources", "commit"}
     assert set(result["formulations"]) == {formulation}
     table = study.table(result)
     sentence, _, rows = table.partition("\n\n")
@@ -77,6 +79,21 @@ def test_one_formulation_can_be_run_alone(tmp_path: Path) -> None:
     assert set(after["formulations"]) == {"a"}  # b was measured with other code
     other = {"facts": {"seed": 2}, "formulations": {"b": {"x": 3.0}}}
     assert set(store(tmp_path, "some", other)["formulations"]) == {"b"}
+
+
+def test_results_of_older_code_are_named_with_their_commit() -> None:
+    assert other_code({"a": {"sources": sources()}}) == ""
+    older = {"sources": "older", "commit": "1234567 (2026-01-01)"}
+    sentence = other_code({"a": {"sources": sources()}, "b": older, "c": {}})
+    assert "`b`: 1234567 (2026-01-01)" in sentence
+    assert "`c`: a commit that was not recorded" in sentence
+    assert "`a`" not in sentence
+
+
+def test_a_result_names_the_commit_that_is_checked_out(tmp_path: Path) -> None:
+    stored = store(tmp_path, "some", {"facts": {}, "formulations": {}})
+    assert stored["commit"] == commit()
+    assert re.fullmatch(r"([0-9a-f]{7,} \(\d{4}-\d\d-\d\d\)( with changes)?)?", commit())
 
 
 def test_results_are_short_and_valid_numbers() -> None:

@@ -39,7 +39,7 @@ def page(results: Results) -> str:
 
 
 def missing(results: Results) -> str:
-    """One line on results that are missing, or were made from other sources; else nothing."""
+    """Sentences on results that are missing, or are of older code; nothing if all are present."""
     jobs = list(all_jobs())
     absent = [job for job in jobs if job.method not in results.get(job.case, {})]
     older = [
@@ -51,7 +51,14 @@ def missing(results: Results) -> str:
     if absent:
         parts.append(f"{len(absent)} of {len(jobs)} results are missing: {_named(absent)}.")
     if older:
-        parts.append(f"{len(older)} results are of other sources than these: {_named(older)}.")
+        shown = len(jobs) - len(absent)
+        every = len(older) == shown
+        commits = {results[job.case][job.method].get("commit") or "not recorded" for job in older}
+        parts.append(
+            f"{'All' if every else f'{len(older)} of the'} {shown} results shown are of older "
+            f"code than the present one, commit {', '.join(sorted(commits))}"
+            + ("." if every else f": {_named(older)}.")
+        )
     return " ".join(parts)
 
 

@@ -14,6 +14,7 @@ from benchmarks.problems.order_problems import (
     order,
     well_scaled_problem,
 )
+from benchmarks.ramps.order_ramps import REMOVAL, SWAP
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import (
@@ -32,9 +33,6 @@ from ghc_controller.hierarchy import (
 from ghc_controller.hierarchy.level_slots import LevelSlots
 from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
-
-SWAP = order([0], [1], [2], tasks=3), order([1], [0], [2], tasks=3)
-REMOVAL = order([0], [1], [2], tasks=3), order([0], [2], tasks=3)
 
 
 def _settings(w: float, constant: bool = False) -> FormulationSettings:

@@ -162,7 +162,9 @@ def test_what_cannot_be_used_is_refused() -> None:
         ReachableReference(robot, [TASK, TASK])
     with pytest.raises(UnknownName, match="target stream"):
         ReachableReference(robot, [TASK]).add("elbow", np.zeros(3), 0.0)
-    with pytest.raises(InvalidValue, match="velocity_share"):
+    with pytest.raises(InvalidValue, match=r"period: .*\[0.005, 0.05\]"):
+        ReachableSettings(period=1e-4)  # less than a step of the motion
+    with pytest.raises(InvalidValue, match=r"velocity_share: .* above 0 and at most 1 expected"):
         ReachableSettings(velocity_share=1.5)
 
 

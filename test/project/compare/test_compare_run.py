@@ -68,7 +68,7 @@ def test_what_is_done_is_not_run_again(tmp_path: Path, capsys: pytest.CaptureFix
     result = json.loads(path_of(folder, job).read_text(encoding="utf-8"))
     older = json.dumps(result | {"sources": "older"})
     path_of(folder, job).write_text(older, encoding="utf-8")
-    assert "1 results are of other sources" in missing(load(folder))
+    assert "All 1 results shown are of older code" in missing(load(folder))
     assert run(folder, *chosen) == 0
     assert json.loads(path_of(folder, job).read_text(encoding="utf-8")) == result
     text = folder.with_suffix(".md").read_text(encoding="utf-8")
@@ -111,7 +111,7 @@ def test_the_committed_page_is_that_of_the_committed_results() -> None:
         assert CASES[case].title in text
     for file in STORED.glob("*/*.json"):
         assert file.stat().st_size < 8_000
-    # The line on results of other sources follows the sources; all else is that of the results.
+    # The line on results of older code follows the sources; all else is that of the results.
     assert _without_first_paragraph(text) == _without_first_paragraph(page(results))
 
 

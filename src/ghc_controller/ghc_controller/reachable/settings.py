@@ -18,7 +18,9 @@ class ReachableSettings:
         InvalidValue: a number is not finite or out of range.
     """
 
-    period: float = declared("between two plans, 0.005 to 0.05", 0.01, unit="s", domain=POSITIVE)
+    period: float = declared(
+        "between two plans", 0.01, unit="s", domain=Range(minimum=0.005, maximum=0.05)
+    )
     lead: float = declared(
         "from the state of a plan to its first point", 0.01, unit="s", domain=NOT_NEGATIVE
     )

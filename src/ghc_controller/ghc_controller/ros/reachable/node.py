@@ -42,14 +42,15 @@ from ghc_controller.ros.reachable.messages import (
 from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node
-from ghc_controller.ros.wire.cdr import BYTE_ORDER, read_stamp
 from ghc_controller.ros.wire.epoch import epoch_number
 from ghc_controller.ros.wire.joint_state import JointStateDecoder
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.ros.wire.timeline import Place, Timeline
 from ghc_controller.types import NANOSECONDS, RobotState
 
 NODE_NAME = "reachable_targets"
 _DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+_MOST_AHEAD_NS = NANOSECONDS  # [ns] between two states: some are lost in a run that is fast
 
 
 class ReachableTargetsNode:
@@ -72,11 +73,11 @@ class ReachableTargetsNode:
         self._warm_up(robot.model.nv)
         self._reader = JointStateReader(robot.model.joint_names)
         self._decoder = JointStateDecoder(read_joint_state)
+        self._timeline = Timeline(_MOST_AHEAD_NS)
         self._rejections = Rejections()
         self._period_ns = round(p.settings.period * NANOSECONDS)
         self._now_ns = -1  # of the last state
         self._due_ns = 0  # of the next plan
-        self._epoch: int | None = None
         self._samples = self._plans = 0
         self._publish_and_listen(stop)
         self.node.get_logger().info(f"{p.robot}: targets of {', '.join(tasks)}: ready")
@@ -115,11 +116,7 @@ class ReachableTargetsNode:
 
     def _on_state(self, data: bytes) -> None:
         try:
-            if data.startswith(BYTE_ORDER) and self._now_ns <= read_stamp(data) < self._due_ns:
-                self._now_ns = read_stamp(data)  # nothing is due: the rest is not looked at
-                return
             values = self._decoder.decode(data)
-            stamp_ns = values.stamp_ns
             epoch = epoch_number(values.frame_id)
             if epoch is None:
                 raise InvalidValue(f"joint_states.frame_id: '{values.frame_id}' is no epoch")
@@ -127,13 +124,14 @@ class ReachableTargetsNode:
         except (InvalidValue, ValueError) as error:
             self._reject("joint_states", str(error))
             return
-        if epoch != self._epoch:
-            self._reference.reset()
-            self._epoch, self._now_ns, self._due_ns = epoch, -1, 0
-        if stamp_ns < self._now_ns:
-            self._reject("joint_states.stamp", "older than the last one, in the same epoch")
+        place = self._timeline.judge(values.stamp_ns, epoch)
+        if place in (Place.OLDER, Place.ELSEWHERE):
+            self._reject("joint_states.stamp", self._timeline.expected())
             return
-        self._now_ns = stamp_ns
+        if place is Place.RESTARTED:
+            self._reference.reset()
+            self._due_ns = 0
+        self._now_ns = stamp_ns = values.stamp_ns
         if stamp_ns < self._due_ns:
             return
         self._due_ns = stamp_ns - stamp_ns % self._period_ns + self._period_ns
