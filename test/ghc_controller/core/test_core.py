@@ -214,3 +214,20 @@ def test_a_bound_that_is_no_number_is_met_by_no_answer(kind: str, side: str) -> 
         assert core.solve(*_fixed_base_terms(problem), True, 200, 2000)[0] == 3
         assert core.solve(*_fixed_base_terms(given), True, 200, 2000)[0] == 0
         assert core.solve(*_fixed_base_terms(problem), True, 200, 2000)[0] == 3
+
+
+@pytest.mark.parametrize("n", [1, 7, 47, 48, 63, 130])
+@pytest.mark.parametrize("share", TORQUE_SHARES)
+def test_a_posture_may_come_first_on_a_robot_of_any_size(n: int, share: float | None) -> None:
+    """Alone, and above another task; no rows above it. As with permuted rows. Seed 12."""
+    rng = np.random.default_rng(12)
+    shuffled = rng.permutation(n)
+    for above in ([], [min(n, 3)]):
+        sizes = [*above, n]
+        order = strict_alpha(len(sizes))
+        problem = random_problem(rng, n, sizes, order.T if above else order, share)
+        wanted = make_formulation("cascade").solve(_posture(problem, shuffled))
+        found = make_formulation("cascade").solve(_posture(problem, np.arange(n)))
+        assert found.status is wanted.status is SolutionStatus.SOLVED
+        scale = 1.0 + np.abs(wanted.acceleration).max()
+        assert np.abs(found.acceleration - wanted.acceleration).max() <= 1e-6 * scale

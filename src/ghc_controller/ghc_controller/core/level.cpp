@@ -82,7 +82,9 @@ void Level::solve_identity(const Eigen::Ref<const Vector>& target,
   factor_ = spread_;
   factor();  // X_h
   inner_.resize(r, d);
-  inner_.noalias() = factor_.transpose().triangularView<Eigen::Upper>() * V;
+  // Without rows above there is nothing to multiply; Eigen divides by the inner size of a
+  // triangular product, also by 0, where the other one is 48 or more.
+  if (r) inner_.noalias() = factor_.transpose().triangularView<Eigen::Upper>() * V;
   gram(inner_, factor_);
   factor_.diagonal().array() += 1.0;
   factor();
