@@ -197,6 +197,9 @@ def test_sizes_that_do_not_fit_are_rejected() -> None:
             level_optimum(J, target, y, space, 1e-2)
     with pytest.raises(ValueError, match="expected"):
         level_optimum(J, np.zeros(5), np.zeros(7), NullSpace(6, 3), 1e-2)
+    for sizes in ((-1, 3), (7, -1)):
+        with pytest.raises(ValueError, match="at least 0"):
+            NullSpace(*sizes)
 
 
 @pytest.mark.parametrize("kind", ["acceleration", "torque"])

@@ -128,6 +128,7 @@ NB_MODULE(native, m) {
   nb::class_<ghc::NullSpace>(m, "NullSpace")
       .def("__init__",
            [](ghc::NullSpace* self, ghc::Index d, ghc::Index capacity) {
+             check(d >= 0 && capacity >= 0, "d and capacity expected, at least 0");
              new (self) ghc::NullSpace();
              self->reset(d, capacity);
            })
