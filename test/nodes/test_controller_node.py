@@ -136,6 +136,7 @@ def _connected(context: Any, start_node: Callable[..., Any], **parameters: objec
         ),
         robot.publish,
     )
+    robot.until(lambda: len(robot.states) > 0, robot.step)
     return robot
 
 
