@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from ghc_controller.previews.bounds_plan import ForceBoundsPlan
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_controller.previews.preview import Preview
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.ros import schedule_inbox
-from ghc_mpc_constraints.ros.schedule_inbox import MOST_KEPT, ScheduleInbox, TimedSchedule
+from ghc_mpc_constraints.schedules import schedule_inbox
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.schedule_inbox import MOST_KEPT, ScheduleInbox
 
 SETTINGS = ForceBoundSettings(horizon=0.25)
 EVERY = 0.05  # [s] between the ticks of an epoch
@@ -35,7 +35,7 @@ class Generator:
         self.bounds.reset()
         self.inbox.restart()
 
-    def epoch(self, arrivals: Sequence[tuple[float, TimedSchedule]] = ()) -> list[ForceBoundsPlan]:
+    def epoch(self, arrivals: Sequence[tuple[float, ContactSchedule]] = ()) -> list[Preview]:
         """Plans of all ticks; each schedule arrives before the tick at its time [s]."""
         plans, arrivals = [], list(arrivals)
         for k in range(round(END / EVERY)):
@@ -43,15 +43,15 @@ class Generator:
             while arrivals and arrivals[0][0] <= now + 1e-9:
                 self.inbox.put(arrivals.pop(0)[1], now, running=k > 0)
             for schedule in self.inbox.due(now):
-                self.bounds.set_schedule(schedule, now)
+                self.bounds.observe(schedule, now)
             plans.append(self.bounds.tick(now))
         return plans
 
 
-def assert_equal_plans(first: list[ForceBoundsPlan], second: list[ForceBoundsPlan]) -> None:
+def assert_equal_plans(first: list[Preview], second: list[Preview]) -> None:
     for before, after in zip(first, second, strict=True):
-        assert before.contacts == after.contacts
-        assert before.in_contact == after.in_contact
+        assert before.rows == after.rows
+        assert before.active == after.active
         assert before.status == after.status
         np.testing.assert_array_equal(before.lower, after.lower)
         np.testing.assert_array_equal(before.upper, after.upper)
@@ -60,12 +60,12 @@ def assert_equal_plans(first: list[ForceBoundsPlan], second: list[ForceBoundsPla
 def test_what_a_newer_schedule_made_the_past_is_known_again() -> None:
     """At 5 s the foot is off and a schedule from 10 s on comes: at 0 s the foot is on again."""
     generator = Generator(lockstep=False)
-    script = [(0.0, TimedSchedule(SCRIPT, None)), (5.0, TimedSchedule(NEWER, None))]
+    script = [(0.0, SCRIPT), (5.0, NEWER)]
     first = generator.epoch(script)
     for _ in range(2):
         generator.reset()
         second = generator.epoch()
-        assert second[0].in_contact == (True,)
+        assert second[0].active == (True,)
         assert_equal_plans(first, second)
 
 
@@ -75,9 +75,9 @@ def test_a_schedule_is_known_from_the_same_time_in_every_epoch() -> None:
     other = ContactSchedule.checked("left_sole", [0.0], [0.0], [200.0])
     generator = Generator(lockstep=True)
     script = [
-        (0.0, TimedSchedule(SCRIPT, None)),
-        (0.0, TimedSchedule(surprise, 3.0)),
-        (1.0, TimedSchedule(other, 2.0)),
+        (0.0, SCRIPT),
+        (0.0, surprise.known_at(3.0)),
+        (1.0, other.known_at(2.0)),
     ]
     first = generator.epoch(script)
     assert (first[59].upper[1] == 400.0).all()
@@ -88,8 +88,8 @@ def test_a_schedule_is_known_from_the_same_time_in_every_epoch() -> None:
 
 def test_a_reset_before_a_schedule_is_known_loses_and_doubles_nothing() -> None:
     inbox = ScheduleInbox(lockstep=True)
-    inbox.put(TimedSchedule(SCRIPT, None), 0.0, running=False)
-    inbox.put(TimedSchedule(NEWER, 3.0), 0.0, running=False)
+    inbox.put(SCRIPT, 0.0, running=False)
+    inbox.put(NEWER.known_at(3.0), 0.0, running=False)
     for _ in range(2):
         assert inbox.due(0.0) == [SCRIPT]
         inbox.restart()
@@ -102,7 +102,8 @@ def test_a_schedule_sent_again_and_again_is_kept_once(known_from: float | None) 
     inbox = ScheduleInbox(lockstep=False)
     for k in range(3 * MOST_KEPT):
         last = ContactSchedule.checked("right_sole", [5.0 - k % 2 - k // 2], [0.0], [float(k)])
-        inbox.put(TimedSchedule(last, known_from), 0.0, running=False)
+        last = last.known_at(known_from)
+        inbox.put(last, 0.0, running=False)
     inbox.restart()
     assert inbox.due(9.0) == [last]
     assert inbox.not_kept == 0
@@ -110,11 +111,11 @@ def test_a_schedule_sent_again_and_again_is_kept_once(known_from: float | None) 
 
 def test_what_supersedes_only_a_part_leaves_the_rest() -> None:
     """A later beginning, another time of becoming known, another contact."""
-    early = ContactSchedule.checked("right_sole", [-1.0], [0.0], [9.0])
+    early = ContactSchedule.checked("right_sole", [-1.0], [0.0], [9.0], known_from=3.0)
     other = ContactSchedule.checked("left_sole", [-1.0], [0.0], [9.0])
     inbox = ScheduleInbox(lockstep=False)
-    for timed in ((SCRIPT, None), (NEWER, None), (early, 3.0), (other, None)):
-        inbox.put(TimedSchedule(*timed), 0.0, running=False)
+    for schedule in (SCRIPT, NEWER, early, other):
+        inbox.put(schedule, 0.0, running=False)
     inbox.restart()
     assert inbox.due(0.0) == [SCRIPT, NEWER, other]
     assert inbox.due(3.0) == [early]
@@ -123,13 +124,13 @@ def test_what_supersedes_only_a_part_leaves_the_rest() -> None:
 def test_schedules_for_hours_leave_the_beginning_of_the_script_and_no_more() -> None:
     """A planner that looks ahead: each schedule begins later than the one before."""
     inbox = ScheduleInbox(lockstep=False)
-    inbox.put(TimedSchedule(SCRIPT, None), 0.0, running=False)
+    inbox.put(SCRIPT, 0.0, running=False)
     for k in range(5000):
         moving = ContactSchedule.checked("right_sole", [1.0 + 0.1 * k], [0.0], [50.0])
-        inbox.put(TimedSchedule(moving, None), 0.1 * k, running=True)
+        inbox.put(moving, 0.1 * k, running=True)
         inbox.due(0.1 * k)
     other = ContactSchedule.checked("left_sole", [0.0], [0.0], [200.0])
-    inbox.put(TimedSchedule(other, None), 500.0, running=True)
+    inbox.put(other, 500.0, running=True)
     inbox.restart()
     again = inbox.due(0.0)
     assert again[0] is SCRIPT

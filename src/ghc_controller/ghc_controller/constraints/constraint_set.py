@@ -12,6 +12,7 @@ from ghc_controller.constraints.constraint import Constraint, Softness, Space, T
 from ghc_controller.constraints.planned_jerk import PlannedJerk
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.previews.limits_in_force import LimitsInForce
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
 
 
@@ -55,8 +56,16 @@ class ConstraintSet:
         )
         self.boxes = Boxes(self._acceleration.box, self._torque.box)
 
+    @property
+    def limits(self) -> tuple[LimitsInForce, ...]:
+        """Limits of the constraints that follow previews."""
+        found = (getattr(constraint, "limits", None) for constraint in self.constraints)
+        return tuple(limits for limits in found if isinstance(limits, LimitsInForce))
+
     def reset(self) -> None:
-        """Forget the last state."""
+        """Forget the last state and the previews."""
+        for limits in self.limits:
+            limits.reset()
         if self.planned_jerk is not None:
             self.planned_jerk.reset()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 
 import numba
@@ -14,6 +15,8 @@ from ghc_controller.constraints.constraint import (
     Tick,
     positive_per_joint,
 )
+from ghc_controller.previews.limits_in_force import LimitsInForce
+from ghc_controller.previews.preview import TORQUE_LIMITS
 from ghc_controller.types import Array
 
 
@@ -36,15 +39,26 @@ class TorqueLimit(Constraint):
         joints: int,
         around: TorqueCenter = TorqueCenter.ZERO,
         name: str = "torque_limit",
+        follows: Sequence[str] = (),
     ) -> None:
-        """Limit [Nm], one number or (a,)."""
+        """Limit [Nm], one number or (a,).
+
+        `follows` names the joints where previews may tighten it; empty = none may.
+        """
         super().__init__(name)
         self.limit = positive_per_joint(limit, joints, name)
         self.around = around
         self._zero = np.zeros(joints)
+        self.limits = (
+            LimitsInForce(TORQUE_LIMITS, follows, -self.limit, self.limit) if follows else None
+        )
 
     def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the torque box of this state."""
+        if self.limits is not None and self.limits.planned:
+            limits = self.limits.at(tick.state.time)
+            lower[:], upper[:] = limits.lower, limits.upper
+            return
         center = tick.model.gravity() if self.around is TorqueCenter.GRAVITY else self._zero
         box_around(center, self.limit, lower, upper)
 

@@ -8,7 +8,6 @@ from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.contacts.sensing import ContactSensing
 from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.contacts.settling import solve_settled
-from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus
 
 __all__ = [
     "BoundsInForce",
@@ -16,11 +15,9 @@ __all__ = [
     "ContactForceTask",
     "ContactSensing",
     "ContactSet",
-    "ForceBoundsPlan",
     "ForceCost",
     "NormalBounds",
     "OnStale",
-    "PlanStatus",
     "Sensing",
     "solve_settled",
 ]

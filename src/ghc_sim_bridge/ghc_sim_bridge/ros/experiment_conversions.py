@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from builtin_interfaces.msg import Duration, Time
-from ghc_msgs.msg import ContactSchedule, PriorityTransition, TaskReference, TaskReferencePoint
+from builtin_interfaces.msg import Duration
+from ghc_msgs.msg import PriorityTransition, TaskReference, TaskReferencePoint
 
 from ghc_controller.ros.time import time_from_seconds
 from ghc_sim_bridge.scenario.phase import PriorityTable
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
-from ghc_sim_bridge.scenario.schedules import ScriptedSchedule
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,16 +45,6 @@ def transition_message(transition: ScriptedTransition) -> PriorityTransition:
     else:
         message.tasks = list(transition.table.tasks)
         message.alpha = [entry for row in transition.table.alpha for entry in row]
-    return message
-
-
-def schedule_message(schedule: ScriptedSchedule) -> ContactSchedule:
-    """What one contact may carry, at simulated times."""
-    message = ContactSchedule(contact=schedule.contact)
-    message.header.stamp = Time(nanosec=1)  # as good as zero, which would mean: on receipt
-    message.known_from = time_from_seconds(schedule.known_from)
-    message.times = list(schedule.times)
-    message.lower, message.upper = list(schedule.lower), list(schedule.upper)
     return message
 
 

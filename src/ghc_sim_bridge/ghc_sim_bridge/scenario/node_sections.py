@@ -9,8 +9,8 @@ from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
-from ghc_mpc_constraints.generators import GENERATORS
-from ghc_sim_bridge.scenario.schedules import generator_parameters
+from ghc_mpc_constraints.generator import GENERATORS
+from ghc_mpc_constraints.ros.parameters import generator_parameters
 
 CHECKED: Mapping[str, type] = {
     "controller": ControllerParameters,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from ghc_msgs.msg import (
+    BoundInForce,
     ControllerState,
     NamedCount,
     PriorityMatrix,
@@ -72,6 +73,10 @@ def controller_state_message(
     message.contacts = list(report.loads.names)
     message.normal_forces = doubles(report.loads.normal)
     message.friction_use = doubles(report.loads.friction_use)
+    message.bounds = [
+        BoundInForce(kind=limit.kind, row=limit.joint, lower=limit.lower, upper=limit.upper)
+        for limit in report.limits
+    ]
     message.time_terms = result.time_terms
     message.time_solve = result.time_solve
     message.time_step = result.time_step
