@@ -34,7 +34,7 @@ BAD: list[tuple[dict[str, Any], list[str]]] = [
 def test_malformed_schedules_are_refused(change: dict[str, Any], words: list[str]) -> None:
     """The message names the field, what was given and what was expected."""
     fields = {
-        "contact": "left_foot",
+        "name": "left_foot",
         "times": [0.0, 1.0, 2.0],
         "lower": [0.0, 0.0, 0.0],
         "upper": [5.0, 0.0, 5.0],

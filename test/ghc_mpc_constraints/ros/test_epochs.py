@@ -89,11 +89,12 @@ def test_a_schedule_is_known_from_the_same_time_in_every_epoch() -> None:
 def test_a_reset_before_a_schedule_is_known_loses_and_doubles_nothing() -> None:
     inbox = ScheduleInbox(lockstep=True)
     inbox.put(SCRIPT, 0.0, running=False)
-    inbox.put(NEWER.known_at(3.0), 0.0, running=False)
+    newer = NEWER.known_at(3.0)
+    inbox.put(newer, 0.0, running=False)
     for _ in range(2):
         assert inbox.due(0.0) == [SCRIPT]
         inbox.restart()
-    assert inbox.due(4.0) == [SCRIPT, NEWER]
+    assert inbox.due(4.0) == [SCRIPT, newer]
 
 
 @pytest.mark.parametrize("known_from", [None, 3.0])
