@@ -26,17 +26,16 @@ class RampedJointLimits(BoundsGenerator):
 
     kind, settings_type, input = JointLimits.kind, JointLimitSettings, JointLimits.input
 
-    def smooth(self, name, time, first, raw):  # noqa: ARG002
+    def smooth(self, name: str, time: float, first: Any, raw: Any) -> Any:  # noqa: ARG002
         """Backwards from each raw limit at RATE, forwards from the one in force."""
         lower, upper = raw.lower.copy(), raw.upper.copy()
-        step = RATE * self.horizon.step
         for j in range(len(upper) - 2, -1, -1):
-            upper[j] = min(upper[j], upper[j + 1] + step)
-            lower[j] = max(lower[j], lower[j + 1] - step)
+            upper[j] = min(upper[j], upper[j + 1] + RATE * self.horizon.step)
+            lower[j] = max(lower[j], lower[j + 1] - RATE * self.horizon.step)
         upper[0], lower[0] = first[1], first[0]
         for j in range(1, len(upper)):
-            upper[j] = min(upper[j], upper[j - 1] + step)
-            lower[j] = max(lower[j], lower[j - 1] - step)
+            upper[j] = min(upper[j], upper[j - 1] + RATE * self.horizon.step)
+            lower[j] = max(lower[j], lower[j - 1] - RATE * self.horizon.step)
         return lower[1:], upper[1:]
 
 
