@@ -50,7 +50,7 @@ class Derating(Generator):
         self.counts: Counter[str] = Counter()
         self._raw: dict[str, float] = {}
         self._limits: dict[str, float] = {}
-        self._planned_at = -1.0
+        self._before: Preview | None = None
 
     def observe(self, given: dict[str, float], now: float) -> None:
         """Take the newest limits."""
@@ -58,6 +58,8 @@ class Derating(Generator):
 
     def tick(self, time: float) -> Preview:
         """From the limit in force to the newest one."""
+        if self._before is not None:  # a tick may have been missed
+            self._limits |= dict(zip(self._before.rows, self._before.at(time)[1], strict=True))
         rows = tuple(sorted(self._raw))
         points = self.horizon.times(0.0)
         upper = np.empty((len(rows), len(points)))
@@ -65,14 +67,13 @@ class Derating(Generator):
             start, goal = self._limits.get(joint, self._raw[joint]), self._raw[joint]
             way = self.settings.rate * points if self.settings.smoothing else np.inf
             upper[i] = start + np.clip(goal - start, -way, way)
-            self._limits[joint] = upper[i, 1] if time > self._planned_at else upper[i, 0]
-        self._planned_at = time
         count = len(rows)
         status = (PreviewStatus.SMOOTHED,) * count
         on, fine = (True,) * count, (False,) * count
-        return Preview(
-            self.kind, time, self.horizon.step, rows, -upper, upper, on, status, fine, True
+        self._before = Preview(
+            *(self.kind, time, self.horizon.step, rows, -upper, upper, on, status, fine, True)
         )
+        return self._before
 
     def take_over(self, in_force: Preview) -> None:
         """Start from the limits in force."""
@@ -82,4 +83,4 @@ class Derating(Generator):
     def reset(self) -> None:
         """Forget all limits."""
         self._raw, self._limits = {}, {}
-        self._planned_at = -1.0
+        self._before = None
