@@ -75,12 +75,27 @@ class BridgeClient:
             if status.name == "sim_bridge":
                 self.diagnostics = {pair.key: pair.value for pair in status.values}
 
-    def until(self, condition: Callable[[], Any], what: str, timeout: float = DEADLINE) -> None:
-        """Spin until `condition`; fail after `timeout` [s]."""
-        deadline = time.monotonic() + timeout
+    def until(
+        self,
+        condition: Callable[[], Any],
+        what: str,
+        timeout: float = DEADLINE,
+        again: Callable[[], Any] | None = None,
+    ) -> None:
+        """Spin until `condition`, doing `again` once a second; fail after `timeout` [s].
+
+        A message to a node that has not heard of its sender yet is lost, also over a reliable
+        connection: what has to arrive is sent by `again`.
+        """
+        start = time.monotonic()
+        due = start + 1.0
         while not condition():
             self._executor.spin_once(timeout_sec=0.05)
-            assert time.monotonic() < deadline, f"{what} did not come within {timeout:g} s"
+            now = time.monotonic()
+            assert now < start + timeout, f"{what} did not come within {timeout:g} s"
+            if again is not None and now > due:
+                again()
+                due = now + 1.0
 
     def spin(self, seconds: float) -> None:
         """Spin for `seconds` [s] of wall time."""
@@ -96,12 +111,14 @@ class BridgeClient:
 
     def step(self, state: JointState, torque: Sequence[float]) -> JointState:
         """Answer `state` and wait for the one that follows."""
-        self.commands.publish(answer(state, torque))
+        command = answer(state, torque)
+        self.commands.publish(command)
         stamp = nanoseconds_from_time(state.header.stamp)
         self.states.clear()
         self.until(
             lambda: any(nanoseconds_from_time(s.header.stamp) > stamp for s in self.states),
             f"the state after {stamp} ns",
+            again=lambda: self.commands.publish(command),
         )
         return self.states[-1]
 
@@ -110,11 +127,12 @@ class BridgeClient:
         self.until(lambda: self.commands.get_subscription_count() > 0, "the bridge's subscription")
         return self.next_state()
 
-    def counted(self, key: str, at_least: int) -> None:
-        """Wait until the diagnostics show that many events."""
+    def counted(self, key: str, at_least: int, again: Callable[[], Any] | None = None) -> None:
+        """Wait until the diagnostics show that many events, doing `again` once a second."""
         self.until(
             lambda: int(self.diagnostics.get(f"rejected_{key}", "0")) >= at_least,
-            f"rejected_{key} >= {at_least} in the diagnostics ({self.diagnostics})",
+            f"rejected_{key} >= {at_least} in the diagnostics",
+            again=again,
         )
 
     def reset(self) -> str:

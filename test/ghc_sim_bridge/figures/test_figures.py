@@ -12,6 +12,7 @@ from ghc_controller.robot.library import find_robot
 from ghc_sim_bridge.analysis.analysis import Analysis, analyse
 from ghc_sim_bridge.analysis.phase_table import outcome_lines, phase_table
 from ghc_sim_bridge.analysis.summary import make_summary, rounded, write_json
+from ghc_sim_bridge.figures.comparison import torque_comparison
 from ghc_sim_bridge.figures.run import run_figures
 from ghc_sim_bridge.figures.style import envelope, run_title, save_png, short_hierarchy
 from ghc_sim_bridge.figures.tasks import alpha_panels
@@ -110,6 +111,21 @@ def test_a_torque_rate_is_never_shown_without_its_control_period(tmp_path: Path)
     assert rates and all("1 ms" in label for label in rates)
     summary = make_summary(analysis, trace, {"sim_bridge": 0}, 10.0)
     assert "Nm/s @ 1 ms" in phase_table(summary)
+
+
+def test_torques_of_two_runs_stand_on_the_same_axes_with_rate_and_period(tmp_path: Path) -> None:
+    analysis, trace = made_up(tmp_path, "priority_switching")
+    summary = make_summary(analysis, trace, {"sim_bridge": 0}, 10.0)
+    log = analysis.log
+    larger = replace(log, torque=2.0 * log.torque)
+    axes = torque_comparison({"small": (summary, log), "large": (summary, larger)}).axes
+    assert axes[0].get_ylim() == axes[1].get_ylim()
+    start = summary["phases"][1]["t_start"]
+    for ax, shown in zip(axes, (log, larger), strict=True):
+        time, torque = ax.lines[0].get_data()
+        rows = np.searchsorted(log.time, np.asarray(time) + start - 1e-9)
+        assert np.array_equal(torque, shown.torque[rows, 0])
+        assert time[0] < 0.0 < time[-1] and "Nm/s at 1 ms" in ax.get_title()
 
 
 def test_summary_has_every_promised_field(tmp_path: Path) -> None:

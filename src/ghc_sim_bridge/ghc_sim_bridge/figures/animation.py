@@ -1,4 +1,4 @@
-"""A run as moving pictures: the arm with its targets beside task errors and joint torques."""
+"""A run as moving pictures: the robot with its targets, beside task errors and joint torques."""
 
 from __future__ import annotations
 
@@ -31,19 +31,26 @@ _GREY = "#404040"
 _INKS = [COLOURS[k] for k in (0, 2, 3, 5, 6, 7)]
 
 
-def frames(analysis: Analysis, scene: SceneDescription, step: float) -> Iterator[Picture]:
-    """One picture every `step` [s] of simulated time; raises RenderingUnavailable."""
-    plots, left, right = _plots(analysis)
-    camera = _closer(scene.camera)
+def frames(
+    analysis: Analysis, scene: SceneDescription, step: float, *, plots: bool = True
+) -> Iterator[Picture]:
+    """One picture every `step` [s] of simulated time; raises RenderingUnavailable.
+
+    Args:
+        plots: errors and torques beside the robot; False = the robot alone.
+    """
+    beside = _Plots(analysis) if plots else None
+    camera = _closer(scene.camera) if plots else scene.camera
     log, end = analysis.log, analysis.plan.duration
     with Renderer(scene, ARM_SIZE, log.joint_names) as renderer:
         for time in np.arange(0.0, end, step):
             row = min(int(np.searchsorted(log.time, time)), len(log.time) - 1)
-            arm = renderer.draw(log.configuration(row), _targets(analysis, time), camera)
-            here = round(left + (right - left) * time / end)
-            beside = plots.copy()
-            beside[:, here] = (90, 90, 90)
-            yield np.vstack([_caption(analysis, time), np.hstack([arm, beside])])
+            picture = renderer.draw(log.configuration(row), _targets(analysis, time), camera)
+            if beside is None:
+                yield picture
+            else:
+                both = np.hstack([picture, beside.at(time / end)])
+                yield np.vstack([_caption(analysis, time), both])
 
 
 def save_gif(pictures: Sequence[Picture], file: Path, period: float) -> None:
@@ -103,6 +110,19 @@ def _caption(analysis: Analysis, time: float) -> Picture:
 
 def _ink(index: int) -> str:
     return _INKS[index % len(_INKS)]
+
+
+class _Plots:
+    """Errors above torques, with a line at the present time."""
+
+    def __init__(self, analysis: Analysis) -> None:
+        self._picture, self._left, self._right = _plots(analysis)
+
+    def at(self, share: float) -> Picture:
+        """The plots with the line at a share of the run's duration."""
+        picture = self._picture.copy()
+        picture[:, round(self._left + (self._right - self._left) * share)] = (90, 90, 90)
+        return picture
 
 
 def _plots(analysis: Analysis) -> tuple[Picture, int, int]:
