@@ -122,8 +122,8 @@ def test_torques_of_two_runs_stand_on_the_same_axes_with_rate_and_period(tmp_pat
     assert axes[0].get_ylim() == axes[1].get_ylim()
     start = summary["phases"][1]["t_start"]
     for ax, shown in zip(axes, (log, larger), strict=True):
-        time, torque = ax.lines[0].get_data()
-        rows = np.searchsorted(log.time, np.asarray(time) + start - 1e-9)
+        time, torque = map(np.asarray, ax.lines[0].get_data())
+        rows = np.searchsorted(log.time, time + start - 1e-9)
         assert np.array_equal(torque, shown.torque[rows, 0])
         assert time[0] < 0.0 < time[-1] and "Nm/s at 1 ms" in ax.get_title()
 
