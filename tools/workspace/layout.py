@@ -67,6 +67,14 @@ class Layout:
         """The lock file of what `make compare` needs for other machines."""
         return self.root / "requirements" / f"cluster-py{version[0]}.{version[1]}.txt"
 
+    def peer_lock(self, peer: str, version: tuple[int, ...]) -> Path:
+        """The lock file of a controller of others that `make bench` measures beside ours."""
+        return self.root / "requirements" / f"peers-{peer}-py{version[0]}.{version[1]}.txt"
+
+    def peer_environment(self, peer: str) -> Path:
+        """The virtual environment that holds it."""
+        return self.build / "peers" / peer
+
     def python_packages(self) -> list[Path]:
         """The packages of src/ that setup.py installs (ament_python)."""
         return sorted(path.parent for path in self.source.glob("*/setup.py"))
