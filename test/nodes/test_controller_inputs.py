@@ -91,7 +91,6 @@ class Robot:
         c = len(contacts)
         message = ContactForceBounds(step=0.01, points=3, interpolate=True, contacts=contacts)
         message.header.stamp = time_from_seconds(stamp)
-        message.header.frame_id = "0"
         message.valid_until = time_from_seconds(stamp + 0.02)
         message.lower, message.upper = [0.0] * 3 * c, [upper] * 3 * c
         message.in_contact, message.conflict = [True] * c, [False] * c

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from queue import Empty, Full, Queue
 from threading import Thread
-from typing import Any
+from typing import Any, Protocol
 
 from ghc_msgs.msg import PriorityTransition, TaskReference, TransitionStatus
 from rclpy.node import Node
@@ -34,7 +34,9 @@ from ghc_controller.ros.conversions.requests import (
 )
 from ghc_controller.ros.qos import RELIABLE_QOS
 from ghc_controller.ros.run import tolerant
+from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
 from ghc_controller.safety.modes import ModeLogic
+from ghc_controller.types import NANOSECONDS
 
 TRANSITION, REFERENCE = "ghc/priority_transition", "ghc/task_reference"
 # [bytes] of a serialized request: a reference of over a thousand points, a hierarchy of any robot.
@@ -46,6 +48,19 @@ MOST_PER_STATE = 4  # [-] requests that are taken over at one state in real time
 Ready = Callable[[float], None]  # takes a request over at a time [s]
 
 
+class States(Protocol):
+    """The states that requests are judged at."""
+
+    def forget(self) -> None:
+        """The state in force has to be worked out again."""
+
+    def is_stale(self, stamp_ns: int) -> bool:
+        """Whether a stamp [ns] is of a run that has ended."""
+
+    def is_of_next_run(self, stamp_ns: int) -> bool:
+        """Whether a stamp [ns] is of a run that was announced and has not begun."""
+
+
 class RequestDesk:
     """Validates requests at the present state; those before the first state are queued."""
 
@@ -55,7 +70,7 @@ class RequestDesk:
         controller: Controller,
         modes: ModeLogic,
         lockstep: bool,
-        changed: Callable[[], None],
+        states: States,
         reject: Callable[[str, str], object],
     ) -> None:
         """Hand requests to `controller`.
@@ -63,15 +78,16 @@ class RequestDesk:
         Args:
             modes: says whether requests are taken now; told of every accepted one.
             lockstep: refuse what should have started before now.
-            changed: told that the state in force has to be worked out again.
+            states: say which requests are of a run that has ended; told of what changes.
             reject: told the field and the reason of a refusal.
         """
         self._controller = controller
         self._modes = modes
         self._lockstep = lockstep
-        self._changed = changed
+        self._states = states
         self._reject = reject
         self._ready: deque[Ready] = deque()  # parsed, for the next state
+        self._early: deque[tuple[str, bytes]] = deque(maxlen=MOST_WAITING)  # for the next run
         self._now: float | None = None  # [s] of the last state
         self._status = node.create_publisher(
             TransitionStatus, "ghc/transition_status", RELIABLE_QOS
@@ -98,6 +114,13 @@ class RequestDesk:
             self._ready.popleft()(now)
             left -= 1
 
+    def begin_run(self) -> None:
+        """A run has begun: take what came early for it."""
+        early = list(self._early)
+        self._early.clear()
+        for topic, data in early:
+            self._take(topic, data)
+
     def between_states(self) -> None:
         """Take over what is ready although no state comes, as while time is paused."""
         if self._now is not None:
@@ -113,6 +136,8 @@ class RequestDesk:
         most = MOST_BYTES_LOCKSTEP if self._lockstep else MOST_BYTES[topic]
         if len(data) > most:
             self._refuse(topic, "", f"{len(data)} bytes given, at most {most} expected")
+        elif len(data) >= STAMP_END and self._states.is_of_next_run(read_stamp(data)):
+            self._early.append((topic, data))
         elif self._lockstep:
             self._put(self._prepared(topic, data))
         else:
@@ -188,7 +213,7 @@ class RequestDesk:
             return
         self._modes.requested()
         if is_new:
-            self._changed()
+            self._states.forget()
             self.tell(controller.take_events())
             return
         # A repeat: its DONE follows at once only where the ramp is over.
@@ -204,7 +229,7 @@ class RequestDesk:
             self._refuse(REFERENCE, "", str(error))
             return
         self._modes.requested()
-        self._changed()
+        self._states.forget()
 
     def _refuse_at(self, topic: str, request_id: str, reason: str, _: float) -> None:
         self._refuse(topic, request_id, reason)
@@ -221,6 +246,11 @@ class RequestDesk:
         refusal = self._modes.refusal()
         if refusal:
             raise InvalidValue(refusal)
+        if self._states.is_stale(round(start * NANOSECONDS)):
+            raise InvalidValue(
+                f"start {start:g} s given, which is of a run that has ended: the one under way "
+                "began after it (sim_bridge/epoch)"
+            )
         if self._lockstep and start < now:
             raise InvalidValue(
                 f"start {start:g} s given, {now:g} s (now) or later expected: in lockstep a late "

@@ -1,11 +1,11 @@
 """The simulated robot behind ROS topics: master of time, in lockstep or by the wall clock.
 
-Publishes  joint_states (stamp = simulated time, frame_id = epoch, effort = torque applied over the
-           last period [Nm]), contacts/<name> (force of the surroundings on the robot, world axes,
-           same stamp, sent before), odom where the base floats (pose in the world, twist in base
-           axes; same stamp and frame_id, sent before), constraints/obstacles (what the scene's
-           obstacle sensor sees, at its own rate, sent before the state of its stamp), /clock,
-           /diagnostics.
+Publishes  ~/epoch (latched, before the first state of a run: which stamps belong to it),
+           joint_states (stamp = simulated time, effort = torque over the last period [Nm]),
+           contacts/<name> (force of the surroundings on the robot, world axes, same stamp, sent
+           before), odom where the base floats (pose in the world, twist in base axes; same stamp,
+           sent before), constraints/obstacles (what the scene's obstacle sensor sees, at its own
+           rate, sent before the state of its stamp), /clock, /diagnostics.
 Subscribes joint_commands (stamp = the state that it answers, effort [Nm] by joint name).
 Services   ~/reset (std_srvs/Trigger: start state, next epoch), ~/pause (std_srvs/SetBool).
 Parameters see BridgeParameters.
@@ -21,7 +21,7 @@ from pathlib import Path
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
-from ghc_msgs.msg import ObstacleStateArray
+from ghc_msgs.msg import Epoch, ObstacleStateArray
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
@@ -38,9 +38,11 @@ from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import (
     CLOCK_QOS,
     CONTROL_PUBLISHER_QOS,
+    LATCHED_QOS,
     LOSSLESS_PUBLISHER_QOS,
 )
 from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.time import time_from_nanoseconds
 from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.cycle import ControlCycle
@@ -123,12 +125,13 @@ class SimBridge:
         self._commands = CommandDesk(self.node, self._cycle)
         self._health = BridgeDiagnostics(self._commands.rejections)
         refuse_second_bridge(self.node, since)
+        self._epochs = self.node.create_publisher(Epoch, "~/epoch", LATCHED_QOS)
         self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
         self._young = YoungBridge(self.node, lambda: self._cycle.time_ns, stop)
         self._listen(stop)
-        self._mode.restart()
+        self._begin_run()
         self.node.get_logger().info(
             f"scene '{p.scene}', {p.mode}, {'paused' if p.paused else 'running'}"
         )
@@ -165,8 +168,8 @@ class SimBridge:
         publish = advertise(ObstacleStateArray, "constraints/obstacles", qos)
 
         def observe(cycle: ControlCycle) -> None:
-            if sensor.is_due(cycle.time_ns):
-                readings = sensor.read(cycle.time_ns, simulator.frame_position)
+            if sensor.is_due(cycle.run_ns):
+                readings = sensor.read(cycle.run_ns, simulator.frame_position)
                 publish(obstacles_message(cycle.time_ns, WORLD_FRAME, readings))
 
         return observe
@@ -202,10 +205,18 @@ class SimBridge:
 
     def _on_reset(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         self._cycle.reset()
-        self._mode.restart()
+        self._begin_run()
         answer.success = True
-        answer.message = f"epoch {self._cycle.epoch}"
+        answer.message = (
+            f"epoch {self._cycle.epoch} from t = {self._cycle.start_ns * 1e-9:.6f} s on"
+        )
         return answer
+
+    def _begin_run(self) -> None:
+        """Announce the run, then publish its first state."""
+        start = time_from_nanoseconds(self._cycle.start_ns)
+        self._epochs.publish(Epoch(start=start, number=self._cycle.epoch))
+        self._mode.restart()
 
     def _on_pause(self, request: SetBool.Request, answer: SetBool.Response) -> SetBool.Response:
         self._mode.paused = request.data
@@ -237,7 +248,7 @@ class SimBridge:
         )
 
     def _save_log_at_end(self) -> None:
-        if self._cycle.time_ns >= self._stop_ns:
+        if self._cycle.run_ns >= self._stop_ns:
             self._save_log()
 
     def _save_log(self) -> None:
