@@ -9,12 +9,14 @@ from time import perf_counter
 
 import numpy as np
 
-from ghc_controller.constraints.obstacle import ObstacleDistance
+from ghc_controller.constraints import ObstacleDistance
 from ghc_controller.contacts import (
     BoundsInForce,
     ContactSensing,
     ContactSet,
+    FrictionCone,
     NormalBounds,
+    NormalForce,
     solve_settled,
 )
 from ghc_controller.control.account import Account
@@ -63,13 +65,15 @@ class Controller(Requests, Account):
         self.model = robot.model
         self.references = ReferenceSchedule(robot.tasks)
         self.stack = TaskStack(robot.tasks, self.model.nv)
-        self.constraints = make_constraints(robot, self.settings)
         self.contacts = ContactSet(
             robot.contacts, self.model.weight if self.model.floating_base else 0.0
         )
+        self.constraints = make_constraints(
+            robot, self.settings, (NormalForce(self.contacts), FrictionCone(self.contacts))
+        )
         self.force_bounds = BoundsInForce(robot.contacts)
         self.sensing = ContactSensing(robot.contacts, self.force_bounds)
-        self.obstacles = ObstacleDistance(self.model, self.settings.obstacle_horizon)
+        self.obstacles = self.constraints.one_of(ObstacleDistance)
         self.force_references = ReferenceSchedule(
             [contact.force_task for contact in robot.contacts if contact.force_task is not None]
         )
@@ -119,7 +123,6 @@ class Controller(Requests, Account):
         self.sensing.reset()
         self.contacts.reset()
         self.constraints.reset()
-        self.obstacles.reset()
         for task in self.robot.tasks:
             task.reset()
         self.formulation.reset()
@@ -166,7 +169,9 @@ class Controller(Requests, Account):
             self._problem_views(),
             self.contacts,
             limits.normal_bounds.active,
-            partial(self._contact_rows, limits.normal_bounds, state.time),
+            lambda: self.constraints.on_forces(
+                self._contact_rows(limits.normal_bounds, state.time)
+            ),
         )
         self.formulation.solver.end_step()
         after_solve = perf_counter()
@@ -215,7 +220,7 @@ class Controller(Requests, Account):
             boxes.acceleration.bounds,
             boxes.torque.bounds,
             boxes.torque.hard,
-            limits.obstacle_rows,
+            limits.rows,
             limits.contact_rows,
             model.nv - model.na,
             second_order_terms(self.stack, model)
@@ -255,7 +260,7 @@ class Controller(Requests, Account):
     def _update_limits(self, dynamics: Dynamics, state: RobotState, before: Array) -> Limits:
         planned = self.force_bounds.at(state.time)
         bounds = self.sensing.confirm(planned, state.time, state.wrenches)
-        self.counts["stale_ticks"] += bool(bounds.stale) or self.obstacles.is_stale(state.time)
+        self.counts["stale_ticks"] += bool(bounds.stale) or self.constraints.is_stale(state.time)
         contacts = self._contact_rows(bounds, state.time)
         boxes = self.constraints.update(
             self.model,
@@ -263,9 +268,10 @@ class Controller(Requests, Account):
             state,
             before,
             self.settings.control_dt,
-            None if contacts is None else contacts.jacobian,
+            contacts,
         )
-        return Limits(boxes, contacts, bounds, self.obstacles.rows(state.time))
+        contacts = self.constraints.on_forces(contacts)
+        return Limits(boxes, contacts, bounds, self.constraints.rows)
 
     def _contact_rows(self, bounds: NormalBounds, time: float) -> ContactRows | None:
         return self.contacts.rows(self.model, bounds, self.force_references, time)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ from ghc_controller.constraints import (
     ConstraintSet,
     JointPositionLimit,
     JointVelocityLimit,
+    ObstacleDistance,
     TorqueCenter,
     TorqueLimit,
     TorqueRateLimit,
@@ -142,11 +143,21 @@ def _joint_velocity(robot: Robot, settings: Settings) -> Constraint | None:
     return JointVelocityLimit(limit, robot.model.na, settings.velocity_horizon)
 
 
+@register_constraint("obstacle_distance")
+def _obstacle_distance(robot: Robot, settings: Settings) -> Constraint:
+    return ObstacleDistance(robot.model, settings.obstacle_horizon)
+
+
 _ALWAYS = CONSTRAINTS.built_in
 
 
-def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
+def make_constraints(
+    robot: Robot, settings: Settings, further: Sequence[Constraint] = ()
+) -> ConstraintSet:
     """Constraints of the robot under these settings (design, section 5).
+
+    Args:
+        further: such as those of the forces of its contacts.
 
     Raises:
         UnknownName: no constraint of a name in `settings.constraints`; lists those that exist.
@@ -156,4 +167,5 @@ def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
     made = [CONSTRAINTS[name](robot, settings) for name in names]
     rate = settings.rate_limit(robot)
     planned = PlannedJerk(rate, robot.model.na) if np.max(rate) > 0.0 else None
-    return ConstraintSet([one for one in made if one is not None], robot.model, planned)
+    found = [one for one in made if one is not None]
+    return ConstraintSet([*found, *further], robot.model, planned, bool(robot.contacts))

@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ghc_controller.constraints import ConstraintSet
 from ghc_controller.contacts import (
     BoundsInForce,
     Contact,
     ContactSet,
     ForceBoundsPlan,
+    FrictionCone,
+    NormalForce,
     PlanStatus,
 )
 from ghc_controller.controller import Controller
@@ -45,6 +48,13 @@ def _rows(robot: Robot, contact: Contact) -> ContactRows:
     contacts = ContactSet([contact])
     bounds = BoundsInForce([replace(contact, active=True)]).at(0.0)
     rows = contacts.rows(robot.model, bounds, ReferenceSchedule([]), 0.0)
+    limits = ConstraintSet(
+        [NormalForce(contacts), FrictionCone(contacts)], robot.model, in_contact=True
+    )
+    model = robot.model
+    state = RobotState(0.0, model.q.copy(), model.v.copy())
+    limits.update(model, model.dynamics, state, None, 1e-3, rows)
+    rows = limits.on_forces(rows)
     assert rows is not None
     return rows
 

@@ -7,7 +7,7 @@ import math
 import numba
 
 from ghc_controller.constraints.constraint import (
-    Constraint,
+    BoxConstraint,
     Softness,
     Space,
     Tick,
@@ -17,7 +17,7 @@ from ghc_controller.constraints.jerk_kernels import position_bound
 from ghc_controller.types import Array
 
 
-class JointPositionLimit(Constraint):
+class JointPositionLimit(BoxConstraint):
     """Viability: |v| <= sqrt(2 a_brake (q_max - q)) one control period from now.
 
     A joint that satisfies it stops before its limit by braking with a_brake [rad/s^2], which is

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from ghc_controller.constraints.constraint import (
-    Constraint,
+    BoxConstraint,
     Softness,
     Space,
     Tick,
@@ -24,7 +24,7 @@ class TorqueCenter(Enum):
     GRAVITY = "gravity"  # |tau - g(q)| <= limit: what is left beside carrying the arm
 
 
-class TorqueLimit(Constraint):
+class TorqueLimit(BoxConstraint):
     """center - limit <= tau <= center + limit per actuated joint [Nm]; never gives way."""
 
     space = Space.TORQUE

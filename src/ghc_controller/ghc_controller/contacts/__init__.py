@@ -3,6 +3,7 @@
 from ghc_controller.contacts.bounds_in_force import BoundsInForce
 from ghc_controller.contacts.contact import Contact, ContactForceTask, OnStale
 from ghc_controller.contacts.contact_set import ContactSet
+from ghc_controller.contacts.force_constraints import FrictionCone, NormalForce
 from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.contacts.sensing import ContactSensing
@@ -18,7 +19,9 @@ __all__ = [
     "ContactSet",
     "ForceBoundsPlan",
     "ForceCost",
+    "FrictionCone",
     "NormalBounds",
+    "NormalForce",
     "OnStale",
     "PlanStatus",
     "Sensing",

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_controller.constraints.constraint import Rows
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.kernels import force_limits, write_contact
@@ -21,6 +22,7 @@ from ghc_controller.types import Array
 
 _STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
 CARRIES = 0.1  # [N] of normal force: below it the share of friction is noise
+_NONE = np.zeros(0)
 _PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
 
 
@@ -40,9 +42,11 @@ class _Layout:
     places: NDArray[np.intp]  # of the contacts that are on
     parts: tuple[_Part, ...]  # the same contacts
     motion_rows: int  # q
-    force_matrix: Array  # (r, c)
-    names: tuple[str, ...]  # (r,)
     normals: Array  # (contacts on, c) sums of their normal forces
+    normal_names: tuple[str, ...]  # (contacts on,)
+    cones: Array  # (r, c) rows at most 0
+    cone_names: tuple[str, ...]  # (r,)
+    no_rows: Array  # (0, c)
 
 
 class ContactSet:
@@ -64,6 +68,7 @@ class ContactSet:
                 raise InvalidValue(f"contact name '{name}' is given twice; names must differ")
         self._cost = ForceCost(self.contacts, weight_force)
         self._layouts: dict[tuple[bool, ...], _Layout] = {}
+        self._on: tuple[_Layout, NormalBounds] | None = None
 
     def rows(
         self,
@@ -74,15 +79,19 @@ class ContactSet:
     ) -> ContactRows | None:
         """Rows of the contacts that are on at the last `model.update`; None without any.
 
+        Those on the forces are constraints of their own: `normal_rows`, `cone_rows`.
+
         Args:
             references: of the force tasks, by the name of the contact.
             time: [s].
         """
+        self._on = None
         if not any(bounds.active):
             return None
         layout = self._layouts.get(bounds.active)
         if layout is None:
             layout = self._layouts[bounds.active] = _layout(self.contacts, bounds.active)
+        self._on = layout, bounds
         q, c = layout.motion_rows, layout.normals.shape[1]
         force_jacobian = np.empty((c, model.nv))
         jacobian, drift_target = np.empty((q, model.nv)), np.empty(q)
@@ -101,22 +110,34 @@ class ContactSet:
                 jacobian[motion],
                 drift_target[motion],
             )
-        lower, upper = force_limits(
-            bounds.lower, bounds.upper, layout.places, layout.force_matrix.shape[0]
-        )
         center, factor = self._cost.of(layout.places, references, time)
         return ContactRows(
             jacobian,
             drift_target,
             force_jacobian,
-            layout.force_matrix,
-            lower,
-            upper,
+            layout.no_rows,
+            _NONE,
+            _NONE,
             center,
             factor,
-            layout.names,
-            len(layout.parts),
+            (),
         )
+
+    def normal_rows(self) -> Rows | None:
+        """Bounds on the normal force of each contact of the last `rows` (thesis, eq. 5.5)."""
+        if self._on is None:
+            return None
+        layout, bounds = self._on
+        lower, upper = force_limits(bounds.lower, bounds.upper, layout.places)
+        return Rows(layout.normals, lower, upper, layout.normal_names)
+
+    def cone_rows(self) -> Rows | None:
+        """What friction can hold, at each contact of the last `rows` (thesis, eq. 5.3)."""
+        if self._on is None:
+            return None
+        layout, _ = self._on
+        upper = np.zeros(layout.cones.shape[0])
+        return Rows(layout.cones, np.full_like(upper, -np.inf), upper, layout.cone_names)
 
     def begin(self, time: float) -> None:
         """Start a step at `time` [s]; the same time again starts from the same forces."""
@@ -186,21 +207,23 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
         q, c = motion.stop, force.stop
     normals = np.zeros((len(places), c))
     cones: list[Array] = []
+    cone_names: list[str] = []
     for k, (contact, axes, force, _) in enumerate(parts):
         step = axes.shape[0]
         normals[k, force.start + step - 1 : force.stop : step] = 1.0
         for point in range(contact.points.shape[0]):
             first = force.start + point * step
             cones.append(_cone(contact.friction, first, c))
-            names += [f"contact.{contact.name}.friction"] * cones[-1].shape[0]
-    matrix = np.vstack([normals, *cones])
+            cone_names += [f"contact.{contact.name}.friction"] * cones[-1].shape[0]
     return _Layout(
         places,
         tuple(parts),
         q,
-        matrix,
-        tuple(names),
         normals,
+        tuple(names),
+        np.vstack(cones),
+        tuple(cone_names),
+        np.zeros((0, c)),
     )
 
 

@@ -72,14 +72,14 @@ def write_contact(
 
 @numba.njit(cache=True)
 def force_limits(
-    lower: Array, upper: Array, places: NDArray[np.intp], rows: int
+    lower: Array, upper: Array, places: NDArray[np.intp]
 ) -> tuple[Array, Array]:  # pragma: no cover
-    """Bounds (r,) of all force rows: normal forces of the contacts at `places`, then cones.
+    """Bounds (k,) [N] on the normal forces of the contacts at `places`.
 
     lower and upper (c,) [N] of all contacts; an upper one below zero means no force, and a lower
     one gives way to it.
     """
-    low, high = np.full(rows, -np.inf), np.zeros(rows)
+    low, high = np.empty(places.shape[0]), np.empty(places.shape[0])
     for k in range(places.shape[0]):
         high[k] = max(upper[places[k]], 0.0)
         low[k] = min(lower[places[k]], high[k])

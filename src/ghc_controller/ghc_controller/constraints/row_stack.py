@@ -1,0 +1,145 @@
+"""The rows of all constraints that are no boxes: on accelerations, on torques, on forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ghc_controller.constraints.constraint import (
+    BoxConstraint,
+    Constraint,
+    Rows,
+    Softness,
+    Space,
+    Tick,
+)
+from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.problem.control_problem import AccelerationRows, ContactRows
+from ghc_controller.types import Array
+
+_ALLOWED = {
+    Space.ACCELERATION: (Softness.SOFT,),
+    Space.TORQUE: (Softness.SOFT,),
+    Space.FORCE: (Softness.FORCE, Softness.HARD),
+}
+
+
+class RowStack:
+    """Rows of several constraints, one below the other; the relaxed ones of forces come first.
+
+    Rows A tau on torques become rows on accelerations by tau = M_a x + h_a, which holds for a
+    robot without contacts.
+
+    Attributes:
+        general: rows on accelerations at the last update; None without any.
+    """
+
+    def __init__(self, constraints: Sequence[Constraint], in_contact: bool) -> None:
+        """Take the constraints that are no boxes.
+
+        Args:
+            in_contact: whether contact forces can act on the robot.
+
+        Raises:
+            InvalidValue: a softness that rows of a space cannot have, or rows on torques of a
+                robot with contacts.
+        """
+        rows = [one for one in constraints if not isinstance(one, BoxConstraint)]
+        for one in rows:
+            _check(one, in_contact)
+        self._general = [one for one in rows if one.space is not Space.FORCE]
+        forces = [one for one in rows if one.space is Space.FORCE]
+        self._relaxed = [one for one in forces if one.softness is Softness.FORCE]
+        self._hard = [one for one in forces if one.softness is Softness.HARD]
+        self._matrices = _Kept(np.vstack)
+        self.general: AccelerationRows | None = None
+        self._forces: list[Rows] = []
+        self._bounds = 0
+
+    def update(self, tick: Tick, contacts: ContactRows | None) -> None:
+        """Evaluate all rows at a state, those on forces for the contacts that are on."""
+        n = tick.model.nv
+        found = [rows for one in self._general if (rows := _general(one, tick, n)) is not None]
+        self.general = _stacked(found) if found else None
+        if contacts is None:
+            self._forces = []
+            return
+        c = contacts.force_jacobian.shape[0]
+        relaxed = [rows for one in self._relaxed if (rows := _rows(one, tick, c)) is not None]
+        hard = [rows for one in self._hard if (rows := _rows(one, tick, c)) is not None]
+        self._forces = relaxed + hard
+        self._bounds = sum(len(rows.names) for rows in relaxed)
+
+    def on_forces(self, contacts: ContactRows) -> ContactRows:
+        """The same contacts with the rows on their forces of the last update."""
+        if not self._forces:
+            return contacts
+        return contacts._replace(
+            force_matrix=self._matrices(*(rows.matrix for rows in self._forces)),
+            force_lower=np.concatenate([rows.lower for rows in self._forces]),
+            force_upper=np.concatenate([rows.upper for rows in self._forces]),
+            names=sum((rows.names for rows in self._forces), ()),
+            bounds=self._bounds,
+        )
+
+
+class _Kept:
+    """A function of arrays whose result is kept for as long as it gets the same objects."""
+
+    def __init__(self, make: Callable[[Sequence[Array]], Array]) -> None:
+        self._make = make
+        self._given: tuple[Array, ...] = ()
+        self._made = np.zeros((0, 0))
+
+    def __call__(self, *given: Array) -> Array:
+        same = len(given) == len(self._given)
+        if not same or any(a is not b for a, b in zip(given, self._given, strict=True)):
+            self._given, self._made = given, self._make(given)
+        return self._made
+
+
+def _check(one: Constraint, in_contact: bool) -> None:
+    allowed = _ALLOWED[one.space]
+    if one.softness not in allowed:
+        raise InvalidValue(
+            f"constraint '{one.name}': rows on {one.space.value} with softness "
+            f"{one.softness.name} given, {' or '.join(kind.name for kind in allowed)} expected"
+        )
+    if one.space is Space.TORQUE and in_contact:
+        raise InvalidValue(
+            f"constraint '{one.name}': rows on torques are served for robots without contacts; "
+            "a box on torques is served for all"
+        )
+
+
+def _rows(one: Constraint, tick: Tick, size: int) -> Rows | None:
+    rows = one.rows(tick)
+    if rows is not None and rows.matrix.shape != (len(rows.names), size):
+        shape = (len(rows.names), size)
+        raise WrongSize(f"constraint '{one.name}': matrix", rows.matrix.shape, shape)
+    return rows
+
+
+def _general(one: Constraint, tick: Tick, n: int) -> Rows | None:
+    """Rows (r, n) on accelerations; those on torques by tau = M_a x + h_a."""
+    if one.space is Space.ACCELERATION:
+        return _rows(one, tick, n)
+    joints = tick.model.na
+    rows = _rows(one, tick, joints)
+    if rows is None:
+        return None
+    rest = rows.matrix @ tick.dynamics.bias[n - joints :]
+    matrix = rows.matrix @ tick.dynamics.mass_matrix[n - joints :]
+    return Rows(matrix, rows.lower - rest, rows.upper - rest, rows.names)
+
+
+def _stacked(found: list[Rows]) -> AccelerationRows:
+    if len(found) == 1:
+        return AccelerationRows(*found[0])
+    return AccelerationRows(
+        np.vstack([rows.matrix for rows in found]),
+        np.concatenate([rows.lower for rows in found]),
+        np.concatenate([rows.upper for rows in found]),
+        sum((rows.names for rows in found), ()),
+    )
