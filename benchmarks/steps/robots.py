@@ -16,8 +16,7 @@ import pinocchio as pin
 
 import ghc_controller as ghc
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.tasks.frame_orientation import FrameOrientationTask
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FrameOrientationTask, FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.types import Array
 from tools.model_packages import install_missing

@@ -123,8 +123,7 @@ class Controller(Requests, Account):
         self.sensing.reset()
         self.contacts.reset()
         self.constraints.reset()
-        for task in self.robot.tasks:
-            task.reset()
+        self.stack.reset()
         self.formulation.reset()
         self._time = 0.0
         self._anchor.reset()
@@ -138,7 +137,7 @@ class Controller(Requests, Account):
         self._time = state.time
         self.model.update(state.q, state.v)
         self._begin_references()
-        self.stack.update(self.model, state, self.references)
+        self.stack.update(self.model, state, self.references.targets(state.time))
         planned = self.force_bounds.at(state.time)
         self._contact_rows_seen = self._contact_rows(planned, state.time)
 
@@ -157,7 +156,7 @@ class Controller(Requests, Account):
         events = tuple(self._events) + tuple(self.priorities.advance(state.time))
         self._events.clear()
         self._priorities = self.priorities.pace(state.time, self.settings.control_dt)
-        self.stack.update(model, state, self.references)
+        self.stack.update(model, state, self.references.targets(state.time))
         before = self._rate_anchor(dynamics, state)
         self.contacts.begin(state.time)
         limits = self._limits = self._update_limits(dynamics, state, before)

@@ -63,9 +63,36 @@ class TaskTarget:
 
 @dataclass(frozen=True, slots=True)
 class TaskRows:
-    """One task linearised at the current state: jacobian @ x -> target."""
+    """Rows of one task, or of several below each other; arrays that are written in place.
 
-    jacobian: Array  # (m, n)
-    target: Array  # (m,) desired task acceleration minus drift
+    A task measures error, Jacobian and drift. The reference gives velocity and acceleration, the
+    file of the robot the gains. The law (tasks/law.py) makes the target of all of them.
+    """
+
     error: Array  # (m,) reference - actual; [N] or [Nm] on rows under force control
-    force_rows: int = 0  # how many rows are under force control
+    jacobian: Array  # (m, n) rate of the task variable = jacobian @ v
+    drift: Array  # (m,) its acceleration = jacobian @ dv + drift
+    velocity: Array  # (m,) of the reference
+    acceleration: Array  # (m,) of the reference
+    stiffness: Array  # (m,) [1/s^2]
+    damping: Array  # (m,) [1/s]
+    target: Array  # (m,) jacobian @ dv -> target: wanted acceleration minus drift
+
+    @classmethod
+    def zeros(cls, m: int, n: int) -> TaskRows:
+        """m rows on n velocity coordinates."""
+        return cls(np.zeros(m), np.zeros((m, n)), *np.zeros((6, m)))
+
+    def block(self, first: int, end: int) -> TaskRows:
+        """Views of the rows from `first` to `end` - 1."""
+        rows = slice(first, end)
+        return TaskRows(
+            self.error[rows],
+            self.jacobian[rows],
+            self.drift[rows],
+            self.velocity[rows],
+            self.acceleration[rows],
+            self.stiffness[rows],
+            self.damping[rows],
+            self.target[rows],
+        )

@@ -14,6 +14,7 @@ class Kind(Enum):
     """What a name is of."""
 
     NAME = "public name"  # of ghc_controller
+    METHOD = "method"  # of a class that other packages derive from or call
     FIELD = "field or parameter"  # of a file, a node, Settings
     EXECUTABLE = "executable"  # package and executable
 
@@ -35,6 +36,11 @@ class Renamed:
 RENAMED: tuple[Renamed, ...] = (
     Renamed(Kind.NAME, "ControllerSettings", "Settings"),
     Renamed(Kind.NAME, "RobotConfig", "Robot"),
+    Renamed(Kind.METHOD, "Task.write_rows", "Task.measure"),
+    Renamed(Kind.METHOD, "Task.fill", "Task.measure"),
+    Renamed(Kind.METHOD, "Task.rows", "Task.measured"),
+    Renamed(Kind.METHOD, "Task.empty_rows", "TaskRows.zeros"),
+    Renamed(Kind.METHOD, "Task.reset", "TaskStack.reset"),
     Renamed(Kind.FIELD, "solver", "qp_solver"),
     Renamed(Kind.EXECUTABLE, "ghc_mpc_constraints studies", "ghc_sim_bridge studies"),
 )
