@@ -23,7 +23,7 @@ from ghc_controller.settings import Settings
 from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.node_sections import CHECKED
-from ghc_sim_bridge.scene.values import SceneDescription
+from ghc_sim_bridge.scene.values import SceneFields
 
 FOLDER = "schemas"
 NODES: Mapping[str, type] = {
@@ -39,7 +39,7 @@ def schemas() -> dict[str, JsonSchema]:
     """File name -> schema."""
     return {
         "robot.schema.json": SchemaWriter(NODES).document(RobotFields, "robot.yaml"),
-        "scene.schema.json": SchemaWriter(NODES).document(SceneDescription, "A scene"),
+        "scene.schema.json": SchemaWriter(NODES).document(SceneFields, "A scene"),
         "scenario.schema.json": SchemaWriter(NODES).document(
             Scenario, "A scenario", _with_variants
         ),
