@@ -20,7 +20,6 @@ from typing import Any
 from ghc_controller.robot.fields import RobotFields
 from ghc_controller.schema.json_schema import JsonSchema, SchemaWriter
 from ghc_controller.settings import Settings
-from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.node_sections import CHECKED
 from ghc_sim_bridge.scene.values import SceneFields
@@ -28,9 +27,6 @@ from ghc_sim_bridge.scene.values import SceneFields
 FOLDER = "schemas"
 NODES: Mapping[str, type] = {
     **CHECKED,
-    "sim_bridge": BridgeParameters,
-    "recorder": RecorderParameters,
-    "viewer": ViewerParameters,
     "settings": Settings,
 }
 

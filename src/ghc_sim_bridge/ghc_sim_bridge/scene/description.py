@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields as dataclass_fields
-from importlib.resources import files
 from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
@@ -42,8 +41,7 @@ __all__ = [
 
 
 SCENES: Registry[Files] = Registry("scene", "ghc_sim_bridge.scenes")
-for _file in sorted((Path(str(files("ghc_sim_bridge"))) / "scene" / "data").glob("*.yaml")):
-    SCENES.register(_file.stem)(_file)
+SCENES.register_files("ghc_sim_bridge", "scene/data/*.yaml")
 
 
 def list_scenes() -> tuple[str, ...]:
