@@ -9,6 +9,7 @@ from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
+from ghc_controller.settings import Settings
 from ghc_mpc_constraints.generators import GENERATORS
 from ghc_sim_bridge.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 from ghc_sim_bridge.scenario.schedules import generator_parameters
@@ -41,5 +42,6 @@ def read_formulations(scenario: Fields, name: str) -> Mapping[str, Mapping[str, 
         if formulation not in FORMULATIONS:
             known = ", ".join(FORMULATIONS)
             raise fields.error(formulation, f"unknown formulation; known: {known}")
-        read(fields.section(formulation), ControllerParameters)
+        in_use = ControllerParameters(settings=Settings(formulation=formulation))
+        read(fields.section(formulation), ControllerParameters, base=in_use)
     return {formulation: fields.section(formulation).values for formulation in fields.given()}
