@@ -15,7 +15,12 @@ from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.schema.declared import Entry, flat
 from ghc_controller.schema.domains import OneOf
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
-from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
+from ghc_sim_bridge.parameters import (
+    BridgeParameters,
+    RecorderParameters,
+    ReplayParameters,
+    ViewerParameters,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "interfaces.md"
@@ -25,6 +30,7 @@ NODES: dict[str, type] = {
     "reachable_targets": ReachableTargetsParameters,
     "sim_bridge": BridgeParameters,
     "recorder": RecorderParameters,
+    "replay": ReplayParameters,
     "viewer": ViewerParameters,
     "contact_force_bounds": ForceBoundParameters,
     "obstacle_bounds": ObstacleParameters,

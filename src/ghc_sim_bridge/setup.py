@@ -23,6 +23,7 @@ setup(
             "sim_bridge = ghc_sim_bridge.ros.bridge_node:main",
             "experiment = ghc_sim_bridge.programs.experiment:main",
             "recorder = ghc_sim_bridge.ros.recorder_node:main",
+            "replay = ghc_sim_bridge.ros.replay_node:main",
             "repair_bag = ghc_sim_bridge.programs.repair_bag:main",
             "viewer = ghc_sim_bridge.ros.viewer_node:main",
             "campaign = ghc_sim_bridge.programs.campaign:main",

@@ -68,7 +68,7 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
     controller = start_node(
         "ghc_controller",
         "controller",
-        *_parameters(robot=robot, formulation=FORMULATION, arming="automatic"),
+        *_parameters(robot=robot, formulation=FORMULATION, arming="automatic", last_share=0.5),
     )
     controller.wait_for_output("ready", 300.0)
     bridge = start_node(
@@ -81,7 +81,10 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
         assert controller.exit_code is None, controller.output
         assert bridge.exit_code is None, bridge.output
         reports = listener.reports
-        return bool(reports) and nanoseconds_from_time(reports[-1].header.stamp) >= DURATION * 1e9
+        return (
+            bool(reports and listener.states)
+            and nanoseconds_from_time(reports[-1].header.stamp) >= DURATION * 1e9
+        )
 
     listener.until(finished, f"a report at {DURATION:g} s", 180.0)
     first, last = listener.reports[0], listener.reports[-1]
@@ -116,6 +119,21 @@ def test_names_that_do_not_exist_are_rejected_with_those_of_the_package(
         assert node.wait(120.0) != 0
         (line,) = [line for line in node.output.splitlines() if f"unknown {kind}" in line]
         assert known in line
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"formulation": FORMULATION, "last_share": 0}, "'last_share': a number above 0 expected"),
+        ({"formulation": "cascade", "last_share": 0.5}, "unknown parameter 'last_share'"),
+    ],
+)
+def test_settings_of_its_formulation_are_checked_and_belong_to_it_alone(
+    plugin: Path, start_node: Callable[..., Any], values: dict[str, object], words: str
+) -> None:
+    node = start_node("ghc_controller", "controller", *_parameters(robot=ROBOT, **values))
+    assert node.wait(120.0) == 2
+    assert words in node.output
 
 
 def test_a_package_that_cannot_be_imported_is_named(

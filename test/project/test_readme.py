@@ -27,7 +27,7 @@ from ghc_controller.ros.transition import _parser as transition_arguments
 from ghc_controller.schema.declared import flat
 from ghc_sim_bridge.analysis.phase_table import phase_table
 from ghc_sim_bridge.bridge.realtime import FRESH_COMMANDS_TO_RESUME
-from ghc_sim_bridge.ros.parameters import BridgeParameters
+from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.run.executables import find_executable
 from ghc_sim_bridge.scenario.scenario import load_scenario
 

@@ -81,6 +81,7 @@ class Controller(Requests, Account):
             self.settings.formulation,
             self.settings.optimization,
             make_solver(self.settings.qp_solver, self.settings.solving),
+            self.settings.own,
         )
         self.gate = OutputGate(
             self.model.torque_limit, self.settings.rate_limit(robot), self.settings.control_dt

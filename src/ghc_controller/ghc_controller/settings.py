@@ -19,11 +19,16 @@ from ghc_controller.constraints import (
     TorqueRateLimit,
 )
 from ghc_controller.constraints.planned_jerk import PlannedJerk
-from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS, FormulationSettings
+from ghc_controller.formulations import (
+    DEFAULT_FORMULATION,
+    FORMULATIONS,
+    FormulationSettings,
+    own_settings,
+)
 from ghc_controller.qp import SolverSettings
 from ghc_controller.registry import Registry
 from ghc_controller.robot.robot import Robot
-from ghc_controller.schema.declared import check, declared, inline
+from ghc_controller.schema.declared import check, chosen_by, declared, inline
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 from ghc_controller.schema.record import from_mapping, read
 from ghc_controller.types import CONTROL_DT, Array
@@ -71,6 +76,7 @@ class Settings:
         "further constraints by name, such as those of plug-ins", ()
     )
     optimization: FormulationSettings = inline(FormulationSettings)
+    own: Any = chosen_by("formulation", own_settings)  # what only the formulation in use has
 
     @classmethod
     def of(cls, **values: Any) -> Settings:

@@ -16,6 +16,7 @@ class Kind(Enum):
     NAME = "public name"  # of ghc_controller
     METHOD = "method"  # of a class that other packages derive from or call
     FIELD = "field or parameter"  # of a file, a node, Settings
+    SCENE = "field of a scene"
     EXECUTABLE = "executable"  # package and executable
 
 
@@ -42,6 +43,8 @@ RENAMED: tuple[Renamed, ...] = (
     Renamed(Kind.METHOD, "Task.empty_rows", "TaskRows.zeros"),
     Renamed(Kind.METHOD, "Task.reset", "TaskStack.reset"),
     Renamed(Kind.FIELD, "solver", "qp_solver"),
+    Renamed(Kind.SCENE, "contacts.frame", "contacts.frame of robot.yaml"),
+    Renamed(Kind.SCENE, "contacts.points", "contacts.points of robot.yaml"),
     Renamed(Kind.EXECUTABLE, "ghc_mpc_constraints studies", "ghc_sim_bridge studies"),
 )
 _BY_OLD_NAME = {(row.kind, row.old): row for row in RENAMED}

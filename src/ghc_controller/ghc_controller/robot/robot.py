@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from ghc_controller.contacts.registry import make_contact
 from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
 from ghc_controller.model.limits import JointLimits, Limit, overridden
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.contact_places import ContactPlace, contact_places
 from ghc_controller.robot.fields import RobotFields
 from ghc_controller.robot.task_entries import TaskEntry
 from ghc_controller.robot.urdf import find_urdf
@@ -70,6 +71,7 @@ class Robot:
     hierarchy: str
     contacts: tuple[Contact, ...] = ()
     settings: Fields | None = None  # of the controller on this robot: see Settings.for_robot
+    contact_places: Mapping[str, ContactPlace] = field(default_factory=dict)  # by contact
 
     @classmethod
     def from_urdf(
@@ -152,6 +154,7 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
         given.hierarchy,
         _build_contacts(given.contacts, model, tasks),
         given.settings,
+        contact_places(given.contacts),
     )
 
 

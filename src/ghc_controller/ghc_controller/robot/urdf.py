@@ -27,8 +27,6 @@ from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 
-PACKAGE_SCHEME = "package://"
-
 
 @dataclass(frozen=True, slots=True)
 class FramePlace:
@@ -62,7 +60,7 @@ def find_urdf(entry: object, robot_file: Path) -> Path:
     if given.package:
         urdf = _in_package(given.package, given.file, robot_file)
     frames = {name: (at.link, np.array(at.position)) for name, at in given.frames.items()}
-    return UrdfChanges(given.root, given.locked, frames).write(urdf, resource_path)
+    return UrdfChanges(given.root, given.locked, frames).write(urdf)
 
 
 def package_of(entry: object, robot_file: Path) -> str:
@@ -84,21 +82,6 @@ def _read(entry: object, robot_file: Path) -> UrdfFields:
         f"{robot_file}: urdf: the path of a file, or {{package: name, file: path}} expected,"
         f" {entry!r} given"
     )
-
-
-def resource_path(uri: str, urdf: Path) -> Path:
-    """File that a URDF means by `package://name/path`, or by a path relative to itself.
-
-    The folder `name` is looked for in the folders above the URDF, as a package of robot models
-    lays it out; a URI that leads nowhere is taken as relative, to be missed by whoever opens it.
-    """
-    if not uri.startswith(PACKAGE_SCHEME):
-        return urdf.parent / uri
-    name = uri.removeprefix(PACKAGE_SCHEME)
-    for folder in urdf.resolve().parents:
-        if (folder / name).is_file():
-            return folder / name
-    return urdf.parent / name
 
 
 def _in_package(package: str, file: str, robot_file: Path) -> Path:

@@ -53,6 +53,7 @@ from ghc_sim_bridge.bridge.publisher import WORLD_FRAME, Observe, Publish, State
 from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
+from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.ros.command_desk import CommandDesk
 from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.others import (
@@ -60,7 +61,6 @@ from ghc_sim_bridge.ros.others import (
     clock_belongs_to_another,
     refuse_second_bridge,
 )
-from ghc_sim_bridge.ros.parameters import BridgeParameters
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleSensor
 from ghc_sim_bridge.simulation.simulator import Simulator

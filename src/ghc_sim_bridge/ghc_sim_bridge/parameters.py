@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ghc_controller.safety.torque_gate import DEFAULT_TORQUE_RATE
+from ghc_controller.schema.domains import Distinct, Range
 from ghc_controller.schema.parameters import (
     EXECUTOR,
     given,
@@ -73,6 +74,23 @@ class RecorderParameters:
         one_of("decimated", "full"),
     )
     fast_rate: float = parameter(100.0, "[Hz] of simulated time, for fast topics", positive)
+    executor: str = EXECUTOR
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayParameters:
+    """Parameters of replay."""
+
+    recording: str = parameter("", "rosbag2 folder or .mcap file, also one that was cut", given)
+    rate: float = parameter(
+        1.0, "[-] times as fast as recorded", Range(minimum=0.001, maximum=1000.0)
+    )
+    loop: bool = parameter(False, "begin again at the end; stamps then begin again as well")
+    start: float = parameter(0.0, "[s] of the recording that are left out", not_negative)
+    topics: tuple[str, ...] = parameter((), "names of topics; none = all", Distinct())
+    delay: float = parameter(
+        1.0, "[s] wall before the first message, for readers to find the topics", not_negative
+    )
     executor: str = EXECUTOR
 
 
