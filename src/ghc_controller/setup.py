@@ -20,7 +20,7 @@ setup(
     # Without ROS; a workspace installs the versions of requirements/ instead.
     install_requires=["daqp", "numba", "numpy", "pin", "proxsuite", "pyyaml", "scipy"],
     packages=find_packages(),
-    package_data={package_name: ["py.typed", "robot/data/**/*", "core/*.pyi"]},
+    package_data={package_name: ["py.typed", "robot/data/**/*", "ros/*.xml", "core/*.pyi"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),

@@ -9,7 +9,12 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
 DOCUMENTS = sorted(
-    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "docker").glob("*.md")]
+    [
+        *ROOT.glob("*.md"),
+        *(ROOT / "docs").glob("*.md"),
+        *(ROOT / "docker").glob("*.md"),
+        *(ROOT / "security").glob("*.md"),
+    ]
 )
 # Written by `make bench`: a link may be ahead of the file.
 GENERATED = {ROOT / "docs" / "benchmarks.md"}

@@ -24,6 +24,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy import Profile
 from ghc_controller.ros.qos import LATCHED_QOS, RELIABLE_QOS
 from ghc_controller.ros.run import EXIT_FAILED, EXIT_REFUSED
@@ -32,6 +33,7 @@ from ghc_controller.ros.stop_signals import (
     raise_if_stopped,
     stop_was_asked,
 )
+from ghc_controller.ros.this_host import stay_on_this_host
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_controller.types import NANOSECONDS
 
@@ -119,9 +121,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     request.header.stamp = time_from_seconds(options.start)
     try:
+        stay_on_this_host()
         # No handler of rclpy: it would take the context down under the loop.
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
-    except RuntimeError as error:  # root of rclpy's errors for malformed --ros-args
+    except (InvalidValue, RuntimeError) as error:  # rclpy's root for malformed --ros-args
         return _complain(str(error), EXIT_REFUSED)
     interrupt_on_stop_signals()
     try:
