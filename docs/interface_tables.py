@@ -15,6 +15,7 @@ from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.schema.declared import Entry, flat
 from ghc_controller.schema.domains import OneOf
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
+from ghc_sim_bridge.ros.display.parameters import DisplayParameters
 from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -26,6 +27,7 @@ NODES: dict[str, type] = {
     "sim_bridge": BridgeParameters,
     "recorder": RecorderParameters,
     "viewer": ViewerParameters,
+    "display_publisher": DisplayParameters,
     "contact_force_bounds": ForceBoundParameters,
     "obstacle_bounds": ObstacleParameters,
 }
