@@ -21,6 +21,7 @@ from ghc_sim_bridge.parameters import (
     ReplayParameters,
     ViewerParameters,
 )
+from ghc_sim_bridge.ros.display.parameters import DisplayParameters
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "interfaces.md"
@@ -32,6 +33,7 @@ NODES: dict[str, type] = {
     "recorder": RecorderParameters,
     "replay": ReplayParameters,
     "viewer": ViewerParameters,
+    "display_publisher": DisplayParameters,
     "contact_force_bounds": ForceBoundParameters,
     "obstacle_bounds": ObstacleParameters,
 }

@@ -33,6 +33,7 @@ setup(
             "controller = ghc_controller.ros.controller_node:main",
             "reachable_targets = ghc_controller.ros.reachable.node:main",
             "transition = ghc_controller.ros.transition:main",
+            "reference = ghc_controller.ros.by_hand.reference:main",
             "new_robot = ghc_controller.robot.first_files.new_robot:main",
         ]
     },

@@ -25,6 +25,7 @@ setup(
             "recorder = ghc_sim_bridge.ros.recorder_node:main",
             "replay = ghc_sim_bridge.ros.replay_node:main",
             "repair_bag = ghc_sim_bridge.programs.repair_bag:main",
+            "display_publisher = ghc_sim_bridge.ros.display.node:main",
             "viewer = ghc_sim_bridge.ros.viewer_node:main",
             "campaign = ghc_sim_bridge.programs.campaign:main",
             "paper = ghc_sim_bridge.programs.paper.paper:main",

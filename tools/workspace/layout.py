@@ -97,3 +97,13 @@ class Layout:
     def messages(self) -> Path:
         """The package with the interfaces."""
         return self.source / MESSAGES
+
+    @property
+    def wheel_interfaces(self) -> Path:
+        """Folder of the interface packages that are missing among the wheels."""
+        return self.root / "tools" / "wheel_interfaces"
+
+    def interfaces(self, way: Way) -> list[Path]:
+        """All packages with interfaces that a way builds."""
+        found = sorted(path.parent for path in self.wheel_interfaces.glob("*/package.xml"))
+        return [*(found if way is Way.WHEELS else []), self.messages()]
