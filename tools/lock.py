@@ -2,7 +2,7 @@
 
 Every lock is made by the pinned uv and holds hashes. The ones without ROS are the same versions as
 the full ones, less what ROS 2 needs; those of the robot models and of
-the cluster hold what comes on top.
+the cluster hold what comes on top. That of the site is of an environment of its own.
 """
 
 from __future__ import annotations
@@ -42,6 +42,8 @@ def main() -> int:
         jobs.append((layout.study_models_lock(version), [*python, *upgrade, *same, *study]))
         cluster = ["requirements/cluster.in"]
         jobs.append((layout.cluster_lock(version), [*python, *upgrade, *same, *cluster]))
+        # Not the same versions: Sphinx needs an older docutils than colcon takes.
+        jobs.append((layout.docs_lock(version), [*python, *upgrade, "requirements/docs.in"]))
     for target, arguments in jobs:
         name = str(target.relative_to(root))
         print(f"lock: {name}", flush=True)

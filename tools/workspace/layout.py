@@ -67,6 +67,20 @@ class Layout:
         """The lock file of what `make compare` needs for other machines."""
         return self.root / "requirements" / f"cluster-py{version[0]}.{version[1]}.txt"
 
+    def docs_lock(self, version: tuple[int, ...]) -> Path:
+        """The lock file of what `make docs` builds the site with."""
+        return self.root / "requirements" / f"docs-py{version[0]}.{version[1]}.txt"
+
+    @property
+    def docs_venv(self) -> Path:
+        """Environment of `make docs`: in front of .venv, whose packages it sees."""
+        return self.venv / "docs"
+
+    @property
+    def site(self) -> Path:
+        """Where `make docs` writes the site."""
+        return self.root / "site"
+
     def python_packages(self) -> list[Path]:
         """The packages of src/ that setup.py installs (ament_python)."""
         return sorted(path.parent for path in self.source.glob("*/setup.py"))
