@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench study compare kinematics faults soak paper campaign test-long lint format lock clean distclean
+.PHONY: help setup demo run test bench study compare kinematics faults soak paper campaign docs test-long lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
@@ -67,6 +67,9 @@ faults: setup ## faults injected over DDS, docs/reliability.md: ARGS="--quick --
 soak: setup ## memory of the generator nodes over ten simulated minutes
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak/run.py $(ARGS)
 
+docs: setup ## the documents as a static site in site/, its notebooks executed
+	@$(WORKSPACE) && exec .venv/bin/python -m tools.docs
+
 test: setup ## all tests; ARGS goes to pytest
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all
 	@$(WORKSPACE) && exec .venv/bin/python -m pytest $(ARGS)
@@ -86,7 +89,7 @@ lock: setup ## write the hash-pinned locks anew (UPGRADE=1: newer versions)
 
 clean: ## remove what was built and the results; .venv stays
 	rm -f src/ghc_controller/ghc_controller/core/native*.so
-	rm -rf build install log results .pytest_cache .mypy_cache .ruff_cache
+	rm -rf build install log results site .pytest_cache .mypy_cache .ruff_cache
 
 distclean: clean ## remove .venv as well
 	rm -rf .venv

@@ -2,7 +2,8 @@
 
 Every lock is made by the pinned uv and holds hashes. The ones without ROS are the same versions as
 the full ones, less what ROS 2 needs; those of the robot models and of
-the cluster hold what comes on top. Those of the peers are environments of their own.
+the cluster hold what comes on top. Those of the peers and of the site are of environments of their
+own.
 """
 
 from __future__ import annotations
@@ -46,6 +47,8 @@ def main() -> int:
         for peer in PEERS:
             other = f"requirements/peers-{peer}.in"
             jobs.append((layout.peer_lock(peer, version), [*python, *upgrade, other]))
+        # Not the same versions: Sphinx needs an older docutils than colcon takes.
+        jobs.append((layout.docs_lock(version), [*python, *upgrade, "requirements/docs.in"]))
     for target, arguments in jobs:
         name = str(target.relative_to(root))
         print(f"lock: {name}", flush=True)

@@ -73,7 +73,21 @@ class Layout:
 
     def peer_environment(self, peer: str) -> Path:
         """The virtual environment that holds it."""
-        return self.build / "peers" / peer
+        return self.venv / "peers" / peer
+
+    def docs_lock(self, version: tuple[int, ...]) -> Path:
+        """The lock file of what `make docs` builds the site with."""
+        return self.root / "requirements" / f"docs-py{version[0]}.{version[1]}.txt"
+
+    @property
+    def docs_venv(self) -> Path:
+        """Environment of `make docs`: in front of .venv, whose packages it sees."""
+        return self.venv / "docs"
+
+    @property
+    def site(self) -> Path:
+        """Where `make docs` writes the site."""
+        return self.root / "site"
 
     def python_packages(self) -> list[Path]:
         """The packages of src/ that setup.py installs (ament_python)."""
