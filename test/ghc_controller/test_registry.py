@@ -207,7 +207,9 @@ def test_a_further_constraint_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     further = make_constraints(robot, ghc.Settings(constraints=("half_torque",))).constraints
     assert "half_torque" not in names
     assert [c.name for c in further] == [*names, "half_torque"]
-    with pytest.raises(UnknownName, match=r"unknown constraint 'wall'; known: half_torque, joint"):
+    with pytest.raises(
+        UnknownName, match=r"unknown constraint 'wall'; known: cartesian_wall, frame_speed, half"
+    ):
         make_constraints(robot, ghc.Settings(constraints=("wall",)))
 
 

@@ -47,6 +47,7 @@ class _Layout:
     cones: Array  # (r, c) rows at most 0
     cone_names: tuple[str, ...]  # (r,)
     no_rows: Array  # (0, c)
+    forces: tuple[tuple[str, slice], ...]  # names of the contacts, and their entries of c
 
 
 class ContactSet:
@@ -121,6 +122,7 @@ class ContactSet:
             center,
             factor,
             (),
+            forces=layout.forces,
         )
 
     def normal_rows(self) -> Rows | None:
@@ -224,6 +226,7 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
         np.vstack(cones),
         tuple(cone_names),
         np.zeros((0, c)),
+        tuple((part.contact.name, part.force) for part in parts),
     )
 
 
