@@ -190,7 +190,9 @@ def test_contact_kinds_are_chosen_by_name(monkeypatch: pytest.MonkeyPatch) -> No
     smooth = make_contact(Fields(entry | {"kind": "smooth"}, "robot.yaml"), model)
     assert type(smooth) is Smooth
     assert smooth.motion_rows == 1
-    with pytest.raises(ConfigurationError, match="'rough' given; known: rigid, smooth"):
+    with pytest.raises(
+        ConfigurationError, match="'rough' given; known: point, rigid, sliding, smooth, surface"
+    ):
         make_contact(Fields(entry | {"kind": "rough"}, "robot.yaml"), model)
 
 

@@ -45,7 +45,7 @@ class Robot:
     hierarchy: "hand"            # in force at the start
     contacts:                    # optional
       - name: palm               # as in contacts/<name> and in schedules
-        kind: rigid              # default rigid; further kinds come from plug-ins
+        kind: rigid              # default; or point, surface, sliding, or of a plug-in
         frame: tool
         points: [[0, 0, 0.1]]    # [m] in the frame; three or more hold the frame as a whole
         normal: [0, 0, 1]        # world axes, as the surroundings push
