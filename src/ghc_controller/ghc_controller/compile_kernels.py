@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ghc_controller.contacts import Contact
+from ghc_controller.contacts.registry import make_contact
 from ghc_controller.controller import Controller
 from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.robot.library import ROBOTS, find_robot
@@ -40,7 +40,7 @@ def every_kind_of_task() -> Robot:
     ]
     tasks = tuple(make_task(Fields(entry | _GAINS, __name__), robot.model) for entry in entries)
     contacts = tuple(
-        Contact.from_config(Fields({"frame": frame} | entry, __name__), robot.model)
+        make_contact(Fields({"frame": frame} | entry, __name__), robot.model)
         for entry in _CONTACTS
     )
     hierarchy = " > ".join(task.name for task in tasks)

@@ -7,12 +7,12 @@ import pytest
 
 from ghc_controller.contacts import (
     BoundsInForce,
-    Contact,
     ContactSensing,
     ForceBoundsPlan,
     NormalBounds,
     PlanStatus,
 )
+from ghc_controller.contacts.registry import make_contact
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.schema.reader import Fields
@@ -35,7 +35,7 @@ class Foot:
                 "patience": 0.2,
             }
         robot = load_robot_config(find_robot("kuka_lwr"))
-        self.contact = Contact.from_config(Fields(entry, "test"), robot.model)
+        self.contact = make_contact(Fields(entry, "test"), robot.model)
         self._make, self._end = make, end
         self._bounds = BoundsInForce([self.contact])
         self._sensing = ContactSensing((self.contact,), self._bounds)

@@ -13,6 +13,7 @@ from ghc_controller.constraints.constraint_set import Boxes, ConstraintSet
 from ghc_controller.constraints.joint_position import JointPositionLimit
 from ghc_controller.constraints.joint_velocity import JointVelocityLimit
 from ghc_controller.constraints.obstacle import ObstacleDistance
+from ghc_controller.constraints.rows.distance import DistanceConstraint, Scalar
 from ghc_controller.constraints.torque_limit import TorqueCenter, TorqueLimit
 from ghc_controller.constraints.torque_rate import TorqueRateLimit
 
@@ -22,10 +23,12 @@ __all__ = [
     "Boxes",
     "Constraint",
     "ConstraintSet",
+    "DistanceConstraint",
     "JointPositionLimit",
     "JointVelocityLimit",
     "ObstacleDistance",
     "Rows",
+    "Scalar",
     "Slack",
     "Softness",
     "Space",

@@ -10,6 +10,7 @@ import numpy as np
 
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.problem.control_problem import ContactRows
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
 
 
@@ -40,6 +41,7 @@ class Tick(NamedTuple):
     dt: float  # [s] control period
     jerk: Array | None = None  # (a,) [rad/s^3] within the torque rate limit; None without one
     carried: Array | None = None  # (a, n) G: by G^T the base follows the joints (`jerk_share`)
+    contacts: ContactRows | None = None  # that are on, without the rows on their forces
 
 
 class Rows(NamedTuple):

@@ -124,10 +124,10 @@ class ConstraintSet:
             motion = None if contacts is None else contacts.jacobian
             jerk = planned.update(dynamics, state, motion, dt)
         carried = None if jerk is None or planned is None else planned.carried
-        tick = Tick(model, dynamics, state, previous_torque, dt, jerk, carried)
+        tick = Tick(model, dynamics, state, previous_torque, dt, jerk, carried, contacts)
         self._acceleration.update(tick)
         self._torque.update(tick)
-        self._stack.update(tick, contacts)
+        self._stack.update(tick)
         return self.boxes
 
 

@@ -57,15 +57,15 @@ class RowStack:
         self._forces: list[Rows] = []
         self._bounds = 0
 
-    def update(self, tick: Tick, contacts: ContactRows | None) -> None:
+    def update(self, tick: Tick) -> None:
         """Evaluate all rows at a state, those on forces for the contacts that are on."""
         n = tick.model.nv
         found = [rows for one in self._general if (rows := _general(one, tick, n)) is not None]
         self.general = _stacked(found) if found else None
-        if contacts is None:
+        if tick.contacts is None:
             self._forces = []
             return
-        c = contacts.force_jacobian.shape[0]
+        c = tick.contacts.force_jacobian.shape[0]
         relaxed = [rows for one in self._relaxed if (rows := _rows(one, tick, c)) is not None]
         hard = [rows for one in self._hard if (rows := _rows(one, tick, c)) is not None]
         self._forces = relaxed + hard

@@ -9,6 +9,8 @@ from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.contacts.sensing import ContactSensing
 from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.contacts.settling import solve_settled
+from ghc_controller.contacts.sliding import SlidingContact
+from ghc_controller.contacts.surface import SurfaceContact
 from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus
 
 __all__ = [
@@ -25,5 +27,7 @@ __all__ = [
     "OnStale",
     "PlanStatus",
     "Sensing",
+    "SlidingContact",
+    "SurfaceContact",
     "solve_settled",
 ]

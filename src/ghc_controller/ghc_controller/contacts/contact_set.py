@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ghc_controller.constraints.constraint import Rows
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.force_cost import ForceCost
-from ghc_controller.contacts.kernels import force_limits, write_contact
+from ghc_controller.contacts.kernels import force_limits
 from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
@@ -20,17 +20,13 @@ from ghc_controller.problem.control_problem import ContactRows
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.types import Array
 
-_STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
-CARRIES = 0.1  # [N] of normal force: below it the share of friction is noise
 _NONE = np.zeros(0)
-_PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
 
 
 class _Part(NamedTuple):
     """One contact that is on."""
 
     contact: Contact
-    axes: Array  # (a, 3) its force axes
     force: slice  # its entries in c
     motion: slice  # its rows in q
 
@@ -47,6 +43,7 @@ class _Layout:
     cones: Array  # (r, c) rows at most 0
     cone_names: tuple[str, ...]  # (r,)
     no_rows: Array  # (0, c)
+    forces: tuple[tuple[str, slice], ...]  # names of the contacts, and their entries of c
 
 
 class ContactSet:
@@ -95,21 +92,10 @@ class ContactSet:
         q, c = layout.motion_rows, layout.normals.shape[1]
         force_jacobian = np.empty((c, model.nv))
         jacobian, drift_target = np.empty((q, model.nv)), np.empty(q)
-        for contact, axes, force, motion in layout.parts:
+        for contact, force, motion in layout.parts:
             frame = model.frame(contact.frame_id)
-            write_contact(
-                frame.rotation,
-                frame.jacobian,
-                frame.velocity,
-                frame.drift,
-                contact.points,
-                axes,
-                _STOPPING_RATE,
-                contact.is_surface,
-                force_jacobian[force],
-                jacobian[motion],
-                drift_target[motion],
-            )
+            contact.write_forces(frame, force_jacobian[force])
+            contact.write_motion(frame, jacobian[motion], drift_target[motion])
         center, factor = self._cost.of(layout.places, references, time)
         return ContactRows(
             jacobian,
@@ -121,6 +107,7 @@ class ContactSet:
             center,
             factor,
             (),
+            forces=layout.forces,
         )
 
     def normal_rows(self) -> Rows | None:
@@ -186,10 +173,7 @@ class ContactSet:
         if layout is None or not force.shape[0]:
             return use
         for place, part in zip(layout.places, layout.parts, strict=True):
-            contact = part.contact
-            if contact.friction > 0.0:
-                points = force[part.force].reshape(-1, part.axes.shape[0])
-                use[place] = largest_friction_use(points, contact.friction)
+            use[place] = part.contact.friction_use(force[part.force])
         return use
 
 
@@ -199,22 +183,21 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
     q = c = 0
     for place in places:
         contact = contacts[place]
-        axes = np.ascontiguousarray(contact.force_axes)
-        force = slice(c, c + contact.points.shape[0] * axes.shape[0])
+        force = slice(c, c + contact.forces)
         motion = slice(q, q + contact.motion_rows)
-        parts.append(_Part(contact, axes, force, motion))
+        parts.append(_Part(contact, force, motion))
         names.append(f"contact.{contact.name}")
         q, c = motion.stop, force.stop
     normals = np.zeros((len(places), c))
     cones: list[Array] = []
     cone_names: list[str] = []
-    for k, (contact, axes, force, _) in enumerate(parts):
-        step = axes.shape[0]
-        normals[k, force.start + step - 1 : force.stop : step] = 1.0
-        for point in range(contact.points.shape[0]):
-            first = force.start + point * step
-            cones.append(_cone(contact.friction, first, c))
-            cone_names += [f"contact.{contact.name}.friction"] * cones[-1].shape[0]
+    for k, (contact, force, _) in enumerate(parts):
+        normals[k, force] = contact.normal
+        cone = contact.cone()
+        rows = np.zeros((cone.shape[0], c))
+        rows[:, force] = cone
+        cones.append(rows)
+        cone_names += [f"contact.{contact.name}.friction"] * cone.shape[0]
     return _Layout(
         places,
         tuple(parts),
@@ -224,26 +207,5 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
         np.vstack(cones),
         tuple(cone_names),
         np.zeros((0, c)),
+        tuple((part.contact.name, part.force) for part in parts),
     )
-
-
-def largest_friction_use(force: Array, friction: float) -> float:
-    """Largest |F_t| / (mu F_n) [-] of forces (p, 3) [N], the normal last; 0 below `CARRIES`."""
-    carrying = force[force[:, 2] > CARRIES]
-    if not carrying.shape[0]:
-        return 0.0
-    tangential = np.linalg.norm(carrying[:, :2], axis=1)
-    return float((tangential / (friction * carrying[:, 2])).max())
-
-
-def _cone(friction: float, first: int, c: int) -> Array:
-    """Rows at most 0 (thesis, eq. 5.3) of one point: a pyramid, or only -F_n without friction."""
-    if friction == 0.0:
-        rows = np.zeros((1, c))
-        rows[0, first] = -1.0
-        return rows
-    rows = np.zeros((4, c))
-    for k, (axis, sign) in enumerate(((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0))):
-        rows[k, first + axis] = sign
-        rows[k, first + 2] = -friction / _PYRAMID
-    return rows

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.sliding import SlidingContact
+from ghc_controller.contacts.surface import SURFACE_POINTS, SurfaceContact
 from ghc_controller.errors import PluginError
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.registry import Registry
@@ -13,7 +15,22 @@ DEFAULT_CONTACT = "rigid"
 CONTACTS: Registry[type[Contact]] = Registry(
     "contact kind", "ghc_controller.contacts", base=Contact
 )
-CONTACTS.register(DEFAULT_CONTACT)(Contact)
+CONTACTS.register("point")(Contact)
+CONTACTS.register("surface")(SurfaceContact)
+CONTACTS.register("sliding")(SlidingContact)
+
+
+@CONTACTS.register(DEFAULT_CONTACT)
+class RigidContact(Contact):
+    """A surface where it has friction and three points or more, else points."""
+
+    @classmethod
+    def from_config(cls, fields: Fields, model: RobotModel) -> Contact:  # type: ignore[override]
+        """Build what it is from one entry of `contacts`."""
+        made = Contact.from_config(fields, model)
+        if made.friction > 0.0 and made.points.shape[0] >= SURFACE_POINTS:
+            return SurfaceContact.from_config(fields, model)
+        return made
 
 
 def make_contact(fields: Fields, model: RobotModel) -> Contact:

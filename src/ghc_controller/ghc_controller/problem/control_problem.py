@@ -33,6 +33,7 @@ class ContactRows(NamedTuple):
     force_factor: Array  # (c, c) F with F F^T = H_f^-1
     names: tuple[str, ...]  # (r,)
     bounds: int = 0
+    forces: tuple[tuple[str, slice], ...] = ()  # names of the contacts, and their entries of f
 
 
 class AccelerationRows(NamedTuple):
