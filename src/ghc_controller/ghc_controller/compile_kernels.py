@@ -29,12 +29,13 @@ _CONTACTS: tuple[dict[str, object], ...] = (
 def every_kind_of_task() -> Robot:
     """A robot of this package with a task of every kind, one of them with force control."""
     robot = load_robot_config(_robot_file())
-    frame = robot.model.frame_names[-1]
+    first, frame = robot.model.frame_names[0], robot.model.frame_names[-1]
     force = {"axes": ["z"], "contact": frame, "integral": 1.0}
     entries: list[dict[str, object]] = [
         {"name": "position", "kind": "frame_position", "frame": frame, "force": force},
         {"name": "orientation", "kind": "frame_orientation", "frame": frame},
         {"name": "pose", "kind": "frame_pose", "frame": frame},
+        {"name": "seen", "kind": "relative_pose", "frame": frame, "relative_to": first},
         {"name": "mass", "kind": "center_of_mass"},
         {"name": "joints", "kind": "posture"},
     ]

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,9 +52,8 @@ class Bounds:
     upper: Array  # (r,)
 
 
-@dataclass(frozen=True, slots=True)
-class TaskTarget:
-    """Reference of a task at one instant."""
+class TaskTarget(NamedTuple):
+    """Reference of a task at one instant; a tuple, since one that moves is made in every tick."""
 
     position: Array  # (m,); (4,) quaternion xyzw for an orientation, (7,) for a pose
     velocity: Array  # (m,)

@@ -19,15 +19,37 @@ from ghc_controller.numerics.rotation import (
 from ghc_controller.tasks.center_of_mass import CenterOfMassTask
 from ghc_controller.tasks.frame import FrameOrientationTask, FramePoseTask, FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
+from ghc_controller.tasks.relative_frame import (
+    RelativeOrientationTask,
+    RelativePoseTask,
+    RelativePositionTask,
+)
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array, RobotState, TaskTarget
 
-KINDS = ("position", "axes", "orientation", "pose", "center_of_mass", "posture")
+KINDS = (
+    "position",
+    "axes",
+    "orientation",
+    "pose",
+    "center_of_mass",
+    "posture",
+    "relative_position",
+    "relative_orientation",
+    "relative_pose",
+)
 STEP = 1e-3  # [rad], [m]; fourth-order differences leave about 1e-9
 
 
 def _task(kind: str, model: RobotModel) -> Task:
     frame = model.frame_names[-1]
+    seen = (kind, model, frame, model.frame_names[2], 1.0, 1.0)
+    if kind == "relative_position":
+        return RelativePositionTask(*seen, axes=("y", "z"))
+    if kind == "relative_orientation":
+        return RelativeOrientationTask(*seen)
+    if kind == "relative_pose":
+        return RelativePoseTask(*seen)
     if kind == "position":
         return FramePositionTask(kind, model, frame, 1.0, 1.0)
     if kind == "axes":

@@ -14,14 +14,35 @@ from ghc_controller.tasks import Task, task_kinds
 from ghc_controller.tasks.center_of_mass import CenterOfMassTask
 from ghc_controller.tasks.frame import FrameOrientationTask, FramePoseTask, FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
+from ghc_controller.tasks.relative_frame import (
+    RelativeFrameTask,
+    RelativeOrientationTask,
+    RelativePoseTask,
+    RelativePositionTask,
+)
 from ghc_controller.types import Array, RobotState, TaskTarget
 
-KINDS = ("frame_position", "axes", "frame_orientation", "frame_pose", "posture", "center_of_mass")
+RELATIVE: dict[str, type[RelativeFrameTask]] = {
+    "relative_position": RelativePositionTask,
+    "relative_orientation": RelativeOrientationTask,
+    "relative_pose": RelativePoseTask,
+}
+KINDS = (
+    "frame_position",
+    "axes",
+    "frame_orientation",
+    "frame_pose",
+    "posture",
+    "center_of_mass",
+    *RELATIVE,
+)
 STIFFNESS, DAMPING = 30.0, 20.0  # [1/s^2], [1/s]
 
 
 def _task(kind: str, model: RobotModel) -> Task:
     frame, gains = model.frame_names[-1], (STIFFNESS, DAMPING)
+    if kind in RELATIVE:
+        return RELATIVE[kind](kind, model, frame, model.frame_names[2], *gains)
     if kind == "axes":
         return FramePositionTask(kind, model, frame, *gains, axes=("z", "x"))
     if kind == "posture":
@@ -191,4 +212,5 @@ def test_every_kind_of_the_folder_is_known() -> None:
         "frame_pose",
         "posture",
         "center_of_mass",
+        *RELATIVE,
     }

@@ -44,8 +44,8 @@ class ReferenceTrajectory:
     wrench: Array | None = None  # (p, m) [N], [Nm] to be exerted on the surroundings
     start_time: float = 0.0  # [s] of the simulation, where times are zero
     _times: list[float] = field(init=False, repr=False)
-    _linear: Array = field(init=False, repr=False)  # (p - 1, 6, vector rows)
-    _angular: Array = field(init=False, repr=False)  # (p - 1, 6, 3 or 0), rotation vectors
+    _linear: list[Array] = field(init=False, repr=False)  # p - 1 of (6, vector rows)
+    _angular: list[Array] = field(init=False, repr=False)  # p - 1 of (6, 3 or 0), rotation vectors
     _first: TaskTarget = field(init=False, repr=False)
     _last: TaskTarget = field(init=False, repr=False)
 
@@ -68,8 +68,8 @@ class ReferenceTrajectory:
         if self.space is not ReferenceSpace.VECTOR:
             self._normalise_quaternions()
         self._set("_times", self.times.tolist())
-        self._set("_linear", self._linear_segments())
-        self._set("_angular", self._angular_segments())
+        self._set("_linear", list(self._linear_segments()))
+        self._set("_angular", list(self._angular_segments()))
         self._set("_first", self._held(0))
         self._set("_last", self._held(-1))
 

@@ -29,7 +29,7 @@ from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
 
 TURNS = ("rx", "ry", "rz")
-_ROWS = (*WORLD_AXES, *TURNS)
+POSE_ROWS = (*WORLD_AXES, *TURNS)
 
 
 class Sight(Protocol):
@@ -90,7 +90,7 @@ class FrameTask(Task):
         super().__init__(name, labels, stiffness, damping, reference)
         self.frame = frame
         self._sight = sight
-        self._rows = np.array([_ROWS.index(label) for label in labels])
+        self._rows = np.array([POSE_ROWS.index(label) for label in labels])
         self._places = self._rows[self._rows < len(WORLD_AXES)]  # rows of the position
         self._turns = len(self._places) < len(self._rows)
 
@@ -119,7 +119,7 @@ class FrameTask(Task):
 
     def curvature(self, model: RobotModel, weights: Array) -> Array:
         """See Task; of a rotation: of the vector that leads away from the orientation now."""
-        along = np.zeros(len(_ROWS))
+        along = np.zeros(len(POSE_ROWS))
         along[self._rows] = weights
         return self._sight.curvature(model, along)
 
@@ -256,6 +256,6 @@ class FramePoseTask(_WholeFrameTask):
     """
 
     entry = FramePoseFields
-    selection = _ROWS
+    selection = POSE_ROWS
     space = ReferenceSpace.POSE
     error_unit = "m, rad"
