@@ -70,7 +70,7 @@ fuzz: setup ## a million random cases into every parser, codec, loader and trans
 soak: setup ## memory of the generator nodes over ten simulated minutes
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak/run.py $(ARGS)
 
-docs: setup ## the documents as a static site in site/, its notebooks executed
+docs: setup ## the documents as a static site in build/site, its notebooks executed
 	@$(WORKSPACE) && exec .venv/bin/python -m tools.docs
 
 test: setup ## all tests; ARGS goes to pytest
@@ -92,7 +92,7 @@ lock: setup ## write the hash-pinned locks anew (UPGRADE=1: newer versions)
 
 clean: ## remove what was built and the results; .venv stays
 	rm -f src/ghc_controller/ghc_controller/core/native*.so
-	rm -rf build install log results site .pytest_cache .mypy_cache .ruff_cache
+	rm -rf build install log results .pytest_cache .mypy_cache .ruff_cache
 
 distclean: clean ## remove .venv as well
 	rm -rf .venv

@@ -1,4 +1,4 @@
-"""Build the site: `make docs`. Sphinx reads docs/ and writes site/; every warning is an error.
+"""Build the site: `make docs`. Sphinx reads docs/ and writes build/site; a warning is an error.
 
 Sphinx has an environment of its own (.venv/docs, installed from its lock when it is first needed).
 It sees the packages of .venv behind its own ones: nothing of it gets into what the stack runs on.
@@ -61,11 +61,10 @@ def build(layout: Layout, run: Runner) -> None:
     sources = [str(package) for package in layout.python_packages()]
     inherited = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     environment = {
-        **os.environ,
+        **{name: value for name, value in os.environ.items() if name != "MPLBACKEND"},
         "VIRTUAL_ENV": str(layout.docs_venv),
         "PATH": os.pathsep.join([str(layout.docs_venv / "bin"), os.environ.get("PATH", "")]),
         "PYTHONPATH": os.pathsep.join(filter(None, [*sources, *inherited])),
-        "MPLBACKEND": "Agg",
     }
     run(
         [str(layout.docs_venv / "bin" / "python"), "-m", "sphinx", "--fail-on-warning"]

@@ -35,7 +35,6 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 180
 nb_merge_streams = True
-nb_output_folder = "build/docs_executed"  # beside the site
 
 # One script from a package; formulas are drawn as SVG, which needs no fonts.
 _MATHJAX = "sphinx-mathjax-offline/static/mathjax/tex-svg.js"
@@ -50,6 +49,7 @@ html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"top_of_page_buttons": []}
+highlight_language = "text"
 pygments_style = "friendly"
 
 autodoc_typehints = "signature"

@@ -24,6 +24,7 @@ DOCS = ROOT / "docs"
 FOLDER = "repository"  # of these pages on the site
 SCHEME = "repository:"
 _LINK = re.compile(r"\]\((\.\./[^)\s]*)\)")
+_NAMED_AFTER_FILE = re.compile(r"\[(\w+\.md)\](\((?!\.\./\.\.)[^)\s]*\1(?:#[^)\s]*)?\))")
 _LANGUAGES = {".py": "python", ".yaml": "yaml", ".cpp": "cpp", ".hpp": "cpp", ".json": "json"}
 _NOT_SHOWN = re.compile(r"__pycache__|\.egg-info|\.so$")
 
@@ -91,6 +92,7 @@ class Pages:
             body,
             flags=re.DOTALL,
         )
+        body = body.replace("<code>", '<code class="docutils literal notranslate">')
         return body.replace(
             "<table>", '<div class="table-wrapper"><table class="docutils">'
         ).replace("</table>", "</table></div>")
@@ -129,7 +131,8 @@ def mark_links(_app: Any, docname: str, source: list[str]) -> None:
             return found[0]
         return f"]({SCHEME}{path.relative_to(ROOT).as_posix()}{hash_}{anchor})"
 
-    source[0] = _LINK.sub(marked, source[0])
+    # A link whose text is a file's name gets the title of the page or section.
+    source[0] = _NAMED_AFTER_FILE.sub(r"[]\2", _LINK.sub(marked, source[0]))
 
 
 def _start(app: Any) -> None:

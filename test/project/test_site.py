@@ -15,6 +15,7 @@ from doc_text import ROOT
 from source_messages import VALUE, source_messages
 
 sys.path.insert(0, str(ROOT / "docs" / "site"))
+from docstrings import converted
 from navigation import NAVIGATION
 
 DOCS = ROOT / "docs"
@@ -128,6 +129,30 @@ def test_every_public_name_is_in_the_reference() -> None:
         assert sorted(listed) == sorted(set(module.__all__) - {"__version__"})
 
 
+def test_docstrings_become_text_that_sphinx_reads() -> None:
+    plain = [
+        "Least |x|² of `a|b`,",
+        "    x = J^+ b",
+        "done.",
+        "",
+        "Args:",
+        "    q, v: of all",
+        "    joints.",
+    ]
+    assert converted(plain) == [
+        "Least \\|x\\|² of `a|b`,",
+        *("", "::", "", "    x = J^+ b", "", "done.", ""),
+        *("Args:", "    q, v: of all", "        joints."),
+    ]
+    assert converted(["```yaml", "a: |b", "```"]) == [
+        "",
+        ".. code-block:: yaml",
+        "",
+        "   a: |b",
+        "",
+    ]
+
+
 @pytest.mark.long
 @pytest.mark.timeout(1200)
 def test_the_site_is_built_without_a_warning() -> None:
@@ -140,6 +165,9 @@ def test_the_site_is_built_without_a_warning() -> None:
         for page in pages:
             text = (site / f"{page}.html").read_text(encoding="utf-8")
             assert not re.search(r'(?:src|href)="https?://[^"]*\.(?:js|css|woff2?)"', text), page
+    for path in NOTEBOOKS:
+        page = site / path.relative_to(DOCS).with_suffix(".html")
+        assert "data:image/png" in (text := page.read_text("utf-8")) or "_images/" in text, path
 
 
 def test_every_message_of_the_troubleshooting_page_stands_in_the_source() -> None:

@@ -87,7 +87,7 @@ class Layout:
     @property
     def site(self) -> Path:
         """Where `make docs` writes the site."""
-        return self.root / "site"
+        return self.build / "site"
 
     def python_packages(self) -> list[Path]:
         """The packages of src/ that setup.py installs (ament_python)."""
