@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
+from ghc_controller.ros.wire.epoch import epoch_number
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
@@ -21,7 +22,6 @@ from ghc_controller.ros.conversions.states import (
     wrench_from_bytes,
 )
 from ghc_controller.ros.synchronizer import StateGate
-from ghc_controller.ros.wire.epoch import epoch_number
 from ghc_controller.ros.wire.joint_state import JointStateDecoder
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
 from ghc_controller.safety.plausibility import StatePlausibility

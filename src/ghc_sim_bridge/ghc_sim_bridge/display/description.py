@@ -6,8 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from ghc_controller.errors import ConfigurationError
-from ghc_controller.robot.urdf import resource_path
-from ghc_controller.robot.urdf_text import urdf_text
+from ghc_controller.robot.urdf_text import resource_path, urdf_text
 
 _FILES = ("mesh", "texture")
 _SCHEMES = ("file://", "http://", "https://")

@@ -14,7 +14,6 @@ from ghc_controller.robot.robot import Robot
 from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
-from ghc_sim_bridge.scene.values import Contact as SceneContact
 
 _AXES = ("x", "y", "z")
 
@@ -35,13 +34,10 @@ class Target(NamedTuple):
     is_obstacle: bool  # the task keeps away from it
 
 
-def contact_sites(robot: Robot, scene: Sequence[SceneContact] = ()) -> dict[str, Site]:
-    """Contacts by name: of the robot's file, of its force control, and of a scene."""
+def contact_sites(robot: Robot) -> dict[str, Site]:
+    """Contacts by name: of the robot's file, and of its force control."""
     model = robot.model
-    sites = {
-        contact.name: Site(model.frame_id(contact.frame), np.array(contact.points))
-        for contact in scene
-    }
+    sites: dict[str, Site] = {}
     for task in robot.tasks:
         if task.force is not None and hasattr(task, "frame"):
             frame = model.frame_id(task.frame)

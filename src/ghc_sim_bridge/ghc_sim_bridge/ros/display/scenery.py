@@ -45,7 +45,7 @@ class Scenery:
         self._tasks = {task.name: task for task in robot.tasks}
         self._scene, self._force_scale = scene, force_scale
         self._marks = Marks(frame)
-        self.sites = contact_sites(robot, () if scene is None else scene.contacts)
+        self.sites = contact_sites(robot)
 
     def message(
         self,
