@@ -47,8 +47,8 @@ class Tick(NamedTuple):
 class Rows(NamedTuple):
     """r rows lower <= matrix z <= upper of one constraint at one state.
 
-    A matrix that stays the same from tick to tick should be the same object: what is made of it
-    is then kept.
+    A matrix on forces that stays the same from tick to tick, with its names, should be the same
+    object: what is made of both is then kept.
     """
 
     matrix: Array  # (r, n), (r, a) or (r, c) by the space of the constraint

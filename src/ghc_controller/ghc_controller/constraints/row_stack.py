@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -52,10 +52,11 @@ class RowStack:
         forces = [one for one in rows if one.space is Space.FORCE]
         self._relaxed = [one for one in forces if one.softness is Softness.FORCE]
         self._hard = [one for one in forces if one.softness is Softness.HARD]
-        self._matrices = _Kept(np.vstack)
         self.general: AccelerationRows | None = None
         self._forces: list[Rows] = []
         self._bounds = 0
+        self._stacked: list[Array] = []  # the matrices that _matrix and _names are made of
+        self._matrix, self._names = np.zeros((0, 0)), tuple[str, ...]()
 
     def update(self, tick: Tick) -> None:
         """Evaluate all rows at a state, those on forces for the contacts that are on."""
@@ -66,37 +67,28 @@ class RowStack:
             self._forces = []
             return
         c = tick.contacts.force_jacobian.shape[0]
-        relaxed = [rows for one in self._relaxed if (rows := _rows(one, tick, c)) is not None]
-        hard = [rows for one in self._hard if (rows := _rows(one, tick, c)) is not None]
-        self._forces = relaxed + hard
-        self._bounds = sum(len(rows.names) for rows in relaxed)
+        self._forces = [rows for one in self._relaxed if (rows := _rows(one, tick, c))]
+        self._bounds = sum(len(rows.names) for rows in self._forces)
+        self._forces += [rows for one in self._hard if (rows := _rows(one, tick, c))]
 
     def on_forces(self, contacts: ContactRows) -> ContactRows:
         """The same contacts with the rows on their forces of the last update."""
-        if not self._forces:
+        forces = self._forces
+        if not forces:
             return contacts
+        if len(forces) != len(self._stacked) or any(
+            rows.matrix is not kept for rows, kept in zip(forces, self._stacked, strict=True)
+        ):
+            self._stacked = [rows.matrix for rows in forces]
+            self._matrix = np.vstack(self._stacked)
+            self._names = sum((rows.names for rows in forces), ())
         return contacts._replace(
-            force_matrix=self._matrices(*(rows.matrix for rows in self._forces)),
-            force_lower=np.concatenate([rows.lower for rows in self._forces]),
-            force_upper=np.concatenate([rows.upper for rows in self._forces]),
-            names=sum((rows.names for rows in self._forces), ()),
+            force_matrix=self._matrix,
+            force_lower=np.concatenate([rows.lower for rows in forces]),
+            force_upper=np.concatenate([rows.upper for rows in forces]),
+            names=self._names,
             bounds=self._bounds,
         )
-
-
-class _Kept:
-    """A function of arrays whose result is kept for as long as it gets the same objects."""
-
-    def __init__(self, make: Callable[[Sequence[Array]], Array]) -> None:
-        self._make = make
-        self._given: tuple[Array, ...] = ()
-        self._made = np.zeros((0, 0))
-
-    def __call__(self, *given: Array) -> Array:
-        same = len(given) == len(self._given)
-        if not same or any(a is not b for a, b in zip(given, self._given, strict=True)):
-            self._given, self._made = given, self._make(given)
-        return self._made
 
 
 def _check(one: Constraint, in_contact: bool) -> None:
@@ -115,8 +107,10 @@ def _check(one: Constraint, in_contact: bool) -> None:
 
 def _rows(one: Constraint, tick: Tick, size: int) -> Rows | None:
     rows = one.rows(tick)
-    if rows is not None and rows.matrix.shape != (len(rows.names), size):
-        shape = (len(rows.names), size)
+    if rows is None:
+        return None
+    shape = (len(rows.names), size)
+    if rows.matrix.shape != shape:
         raise WrongSize(f"constraint '{one.name}': matrix", rows.matrix.shape, shape)
     return rows
 

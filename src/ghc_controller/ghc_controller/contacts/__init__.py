@@ -6,6 +6,7 @@ from ghc_controller.contacts.contact_set import ContactSet
 from ghc_controller.contacts.force_constraints import FrictionCone, NormalForce
 from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.normal_bounds import NormalBounds
+from ghc_controller.contacts.rigid import RigidContact
 from ghc_controller.contacts.sensing import ContactSensing
 from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.contacts.settling import solve_settled
@@ -26,6 +27,7 @@ __all__ = [
     "NormalForce",
     "OnStale",
     "PlanStatus",
+    "RigidContact",
     "Sensing",
     "SlidingContact",
     "SurfaceContact",

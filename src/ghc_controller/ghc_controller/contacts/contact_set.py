@@ -40,8 +40,7 @@ class _Layout:
     motion_rows: int  # q
     normals: Array  # (contacts on, c) sums of their normal forces
     normal_names: tuple[str, ...]  # (contacts on,)
-    cones: Array  # (r, c) rows at most 0
-    cone_names: tuple[str, ...]  # (r,)
+    cones: Rows  # (r, c) rows at most 0
     no_rows: Array  # (0, c)
     forces: tuple[tuple[str, slice], ...]  # names of the contacts, and their entries of c
 
@@ -120,11 +119,7 @@ class ContactSet:
 
     def cone_rows(self) -> Rows | None:
         """What friction can hold, at each contact of the last `rows` (thesis, eq. 5.3)."""
-        if self._on is None:
-            return None
-        layout, _ = self._on
-        upper = np.zeros(layout.cones.shape[0])
-        return Rows(layout.cones, np.full_like(upper, -np.inf), upper, layout.cone_names)
+        return None if self._on is None else self._on[0].cones
 
     def begin(self, time: float) -> None:
         """Start a step at `time` [s]; the same time again starts from the same forces."""
@@ -198,14 +193,14 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
         rows[:, force] = cone
         cones.append(rows)
         cone_names += [f"contact.{contact.name}.friction"] * cone.shape[0]
+    r = len(cone_names)
     return _Layout(
         places,
         tuple(parts),
         q,
         normals,
         tuple(names),
-        np.vstack(cones),
-        tuple(cone_names),
+        Rows(np.vstack(cones), np.full(r, -np.inf), np.zeros(r), tuple(cone_names)),
         np.zeros((0, c)),
         tuple((part.contact.name, part.force) for part in parts),
     )

@@ -39,6 +39,16 @@ def write_force_map(
 
 
 @numba.njit(cache=True)
+def write_frame_motion(
+    jacobian: Array, velocity: Array, drift: Array, rate: float, out: Array, target: Array
+) -> None:  # pragma: no cover
+    """Write the six rows of a frame and the accelerations that keep it still."""
+    for r in range(6):
+        out[r] = jacobian[r]
+        target[r] = -drift[r] - rate * velocity[r]
+
+
+@numba.njit(cache=True)
 def write_point_motion(
     rotation: Array,
     velocity: Array,

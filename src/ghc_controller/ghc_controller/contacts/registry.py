@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from ghc_controller.contacts.contact import Contact
-from ghc_controller.contacts.sliding import SlidingContact
-from ghc_controller.contacts.surface import SURFACE_POINTS, SurfaceContact
 from ghc_controller.errors import PluginError
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.registry import Registry
@@ -13,24 +11,10 @@ from ghc_controller.schema.reader import Fields
 DEFAULT_CONTACT = "rigid"
 
 CONTACTS: Registry[type[Contact]] = Registry(
-    "contact kind", "ghc_controller.contacts", base=Contact
+    "contact kind", "ghc_controller.contacts", modules="ghc_controller.contacts", base=Contact
 )
-CONTACTS.register("point")(Contact)
-CONTACTS.register("surface")(SurfaceContact)
-CONTACTS.register("sliding")(SlidingContact)
-
-
-@CONTACTS.register(DEFAULT_CONTACT)
-class RigidContact(Contact):
-    """A surface where it has friction and three points or more, else points."""
-
-    @classmethod
-    def from_config(cls, fields: Fields, model: RobotModel) -> Contact:  # type: ignore[override]
-        """Build what it is from one entry of `contacts`."""
-        made = Contact.from_config(fields, model)
-        if made.friction > 0.0 and made.points.shape[0] >= SURFACE_POINTS:
-            return SurfaceContact.from_config(fields, model)
-        return made
+# Class decorator: makes a Contact available as `kind` in robot.yaml.
+register_contact = CONTACTS.register
 
 
 def make_contact(fields: Fields, model: RobotModel) -> Contact:

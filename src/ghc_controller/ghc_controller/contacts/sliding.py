@@ -8,12 +8,14 @@ import numpy as np
 
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.kernels import write_force_map
+from ghc_controller.contacts.registry import register_contact
 from ghc_controller.model.frames import FrameTerms
 from ghc_controller.types import Array
 
 _SLIDES = 0.01  # [m/s] below it friction fades to none: its direction is not known there
 
 
+@register_contact("sliding")
 @dataclass(frozen=True, slots=True, eq=False)
 class SlidingContact(Contact):
     """Each point stays on its plane; `friction` is kinetic and acts against the motion.

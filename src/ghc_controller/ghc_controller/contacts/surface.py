@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import Self
 
 from ghc_controller.contacts.contact import STOPPING_RATE, Contact
+from ghc_controller.contacts.kernels import write_frame_motion
+from ghc_controller.contacts.registry import register_contact
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.frames import FrameTerms
 from ghc_controller.model.robot_model import RobotModel
@@ -15,6 +17,7 @@ from ghc_controller.types import Array
 SURFACE_POINTS = 3  # as many points fix all six coordinates of a frame
 
 
+@register_contact("surface")
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfaceContact(Contact):
     """All six coordinates of the frame stay still (thesis, eq. 5.1), with forces at its points."""
@@ -37,5 +40,6 @@ class SurfaceContact(Contact):
 
     def write_motion(self, frame: FrameTerms, jacobian: Array, target: Array) -> None:
         """The frame's own Jacobian."""
-        jacobian[:] = frame.jacobian
-        target[:] = -frame.drift - STOPPING_RATE * frame.velocity
+        write_frame_motion(
+            frame.jacobian, frame.velocity, frame.drift, STOPPING_RATE, jacobian, target
+        )

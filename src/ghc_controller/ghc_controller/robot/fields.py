@@ -40,7 +40,7 @@ def _contacts_schema(schema: Any) -> dict[str, Any]:
     entry = schema.fields(ContactFields)
     kind = {
         "description": "what is kept still, and which forces it carries",
-        "enum": list(CONTACTS.built_in),
+        "enum": sorted(CONTACTS.built_in),
         "default": DEFAULT_CONTACT,
     }
     entry["properties"] = {"kind": kind} | entry["properties"]
