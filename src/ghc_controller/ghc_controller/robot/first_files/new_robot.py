@@ -20,7 +20,7 @@ _NEAR = 2  # [-] folders up to which a path relative to robot.yaml is written
 def main(arguments: Sequence[str] | None = None) -> int:
     """0 = the files were written, 1 = they were not (said in one line)."""
     parser = argparse.ArgumentParser(prog="new_robot", description=__doc__.splitlines()[0])
-    parser.add_argument("urdf", type=Path, help="URDF or xacro of an arm with a fixed base")
+    parser.add_argument("urdf", type=Path, help="URDF, xacro or MJCF of an arm with a fixed base")
     parser.add_argument("--folder", type=Path, help="for the files; left out = ./<name>")
     parser.add_argument("--name", help="of the robot; left out = that of the URDF's file")
     options = parser.parse_args(arguments)
