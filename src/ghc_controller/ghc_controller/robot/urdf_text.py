@@ -99,12 +99,19 @@ def resource_path(uri: str, urdf: Path) -> Path:
     """File that a URDF means by `package://name/path`, or by a path relative to itself.
 
     The folder `name` is looked for in the folders above the URDF, as a package of robot models
-    lays it out; a URI that leads nowhere is taken as relative, to be missed by whoever opens it.
+    lays it out, then among the ROS packages that are sourced (AMENT_PREFIX_PATH,
+    ROS_PACKAGE_PATH); a URI that leads nowhere is taken as relative, to be missed by whoever
+    opens it.
     """
     if not uri.startswith(PACKAGE_SCHEME):
         return urdf.parent / uri
     name = uri.removeprefix(PACKAGE_SCHEME)
-    for folder in urdf.resolve().parents:
+    shares = [Path(prefix) / "share" for prefix in _paths_of("AMENT_PREFIX_PATH")]
+    for folder in (*urdf.resolve().parents, *shares, *map(Path, _paths_of("ROS_PACKAGE_PATH"))):
         if (folder / name).is_file():
             return folder / name
     return urdf.parent / name
+
+
+def _paths_of(variable: str) -> list[str]:
+    return [path for path in os.environ.get(variable, "").split(os.pathsep) if path]
