@@ -16,6 +16,7 @@ from ghc_controller.robot.urdf import find_urdf
 from ghc_sim_bridge import Simulator
 from ghc_sim_bridge.programs.check_robot import find_faults
 from ghc_sim_bridge.scene.description import load_scene
+from ghc_sim_bridge.simulation.urdf_for_mujoco import for_mujoco
 
 MODEL = Path(__file__).resolve().parents[2] / "models" / "seven_axis.xml"
 AGREE = 1e-8  # [kg m^2], [Nm], [m]
@@ -152,3 +153,40 @@ def test_what_cannot_be_converted_is_named(tmp_path: Path, body: str, words: str
     file.write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>", encoding="utf-8")
     with pytest.raises(ConfigurationError, match=f"robot.xml: .*{words}"):
         find_urdf(str(file), file)
+
+
+def test_shapes_are_where_the_mjcf_has_them(tmp_path: Path) -> None:
+    """Boxes, spheres and meshes, in world coordinates; what is not to be seen is left out."""
+    file = tmp_path / "shapes.xml"
+    file.write_text(
+        """<mujoco>
+        <asset><mesh name="wedge" vertex="0 0 0  .3 0 0  0 .2 0  0 0 .1"/></asset>
+        <worldbody><body name="arm" pos=".1 0 .2" euler="0 0 40"><joint axis="0 1 0"/>
+          <geom type="box" size=".1 .2 .3" pos="0 .1 0" euler="10 20 30"/>
+          <geom type="mesh" mesh="wedge" pos=".2 0 .1" euler="0 50 0" rgba="1 0 0 1"/>
+          <geom type="sphere" size=".05" group="3"/>
+        </body></worldbody></mujoco>""",
+        encoding="utf-8",
+    )
+    text = for_mujoco(find_urdf(str(file), file), floating_base=False, shapes=True)
+    theirs, ours = (
+        mujoco.MjModel.from_xml_path(str(file)),
+        mujoco.MjSpec.from_string(text).compile(),
+    )
+    assert ours.ngeom == 2
+    clouds = []
+    for model in (theirs, ours):
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        mesh = next(
+            k for k in range(model.ngeom) if model.geom_type[k] == mujoco.mjtGeom.mjGEOM_MESH
+        )
+        box = next(
+            k for k in range(model.ngeom) if model.geom_type[k] == mujoco.mjtGeom.mjGEOM_BOX
+        )
+        vertices = model.mesh_vert[: model.mesh_vertnum[0]]
+        placed = vertices @ data.geom_xmat[mesh].reshape(3, 3).T + data.geom_xpos[mesh]
+        corner = data.geom_xpos[box] + data.geom_xmat[box].reshape(3, 3) @ model.geom_size[box]
+        clouds.append((placed[np.lexsort(placed.round(6).T)], corner))
+    np.testing.assert_allclose(clouds[0][0], clouds[1][0], atol=1e-6)  # [m] STL: single precision
+    np.testing.assert_allclose(clouds[0][1], clouds[1][1], atol=1e-9)
