@@ -66,7 +66,7 @@ def test_a_package_that_is_missing_is_named_with_how_to_get_it() -> None:
         (ENTRY | {"file": "share/toy/three.urdf"}, "'toy-models' has no file 'share/toy/three"),
         (None, "the path of a file, or {package: name, file: path} expected, None given"),
         ("", "'' given"),
-        ({"package": "toy-models"}, "urdf.file: missing; given: package"),
+        ({"package": "toy-models"}, "urdf.file: a file or a description expected"),
         (ENTRY | {"file": 3}, "urdf.file: a non-empty text expected, 3 given"),
     ],
 )

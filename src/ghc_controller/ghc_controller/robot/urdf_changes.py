@@ -22,7 +22,13 @@ import numpy as np
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robot.urdf_frames import inverse, numbers, origin_of, set_origin, vector
 from ghc_controller.robot.urdf_joints import lock, simplify_joints
-from ghc_controller.robot.urdf_text import is_xacro, parse_urdf, place_meshes, urdf_text
+from ghc_controller.robot.urdf_text import (
+    cache,
+    is_translated,
+    parse_urdf,
+    place_meshes,
+    urdf_text,
+)
 from ghc_controller.types import Array
 
 _LOG = logging.getLogger(__name__)
@@ -56,11 +62,11 @@ class UrdfChanges:
         simpler = simplify_joints(robot)
         if str(simpler):
             _LOG.warning("%s: %s", urdf.name, simpler)
-        elif not (own or is_xacro(urdf)):
+        elif not (own or is_translated(urdf)):
             return urdf
         frames = {name: (link, at.tolist()) for name, (link, at) in self.frames.items()}
         key = repr((_FORMAT, str(urdf), self.root, self.locked, frames)).encode()
-        target = _cache() / f"{urdf.stem}_{hashlib.sha256(key + text).hexdigest()[:16]}.urdf"
+        target = cache() / f"{urdf.stem}_{hashlib.sha256(key + text).hexdigest()[:16]}.urdf"
         if not target.is_file():
             place_meshes(robot, urdf)
             _write(target, ElementTree.tostring(robot, encoding="unicode"))
@@ -81,11 +87,6 @@ class UrdfChanges:
             if self.root not in links:
                 raise UnknownName(f"link of {urdf}", self.root, links)
             _reroot(robot, self.root)
-
-
-def _cache() -> Path:
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "ghc_controller" / "urdf"
 
 
 def _write(target: Path, text: str) -> None:
