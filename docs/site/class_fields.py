@@ -31,19 +31,19 @@ def described(kind: type) -> list[str]:
 
 
 def _commented(kind: type) -> Iterator[tuple[str, str]]:
-    """Names of the class body with the comment beside or below them, else with their type."""
+    """Names of the class body with the comment beside or below them, or the value of a member."""
     name = text = ""
     for line in inspect.getsource(kind).splitlines():
         found, below = _FIELD.match(line), _COMMENT.match(line)
         if below and name:
-            text = f"{text}; {below[1]}"
+            text = f"{text}; {below[1]}" if text else below[1]
             continue
         if name:
             yield name, text
         name, text = ("", "")
         if found and (found[2] or found[3]):
-            kind_or_value = found[2] or found[3]
-            name, text = found[1], found[4] or f"`{kind_or_value.strip()}`"
+            value = "" if found[2] else f"`{found[3]}`"  # Sphinx writes types by itself
+            name, text = found[1], found[4] or value
     if name:
         yield name, text
 
