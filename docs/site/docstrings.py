@@ -63,7 +63,16 @@ def _process(_app: Any, _kind: str, _name: str, _obj: Any, _opts: Any, lines: li
     lines[:] = converted(lines)
 
 
+def _plain(
+    _app: Any, _kind: str, _name: str, _obj: Any, _opts: Any, arguments: str | None, result: Any
+) -> tuple[str | None, Any]:
+    """Signatures with the names of aliases: Sphinx writes a mark into unions of them."""
+    mark = r"TypeAliasForwardRef\('(\w+)'\)"
+    return tuple(re.sub(mark, r"\1", part) if part else part for part in (arguments, result))
+
+
 def setup(app: Any) -> dict[str, bool]:
     """Connect with Sphinx; before napoleon, which makes marks of its own."""
     app.connect("autodoc-process-docstring", _process, priority=100)
+    app.connect("autodoc-process-signature", _plain)
     return {"parallel_read_safe": True}

@@ -15,6 +15,7 @@ from doc_text import ROOT
 from source_messages import VALUE, source_messages
 
 sys.path.insert(0, str(ROOT / "docs" / "site"))
+from class_fields import described
 from docstrings import converted
 from navigation import NAVIGATION
 
@@ -153,21 +154,16 @@ def test_docstrings_become_text_that_sphinx_reads() -> None:
     ]
 
 
-@pytest.mark.long
-@pytest.mark.timeout(1200)
-def test_the_site_is_built_without_a_warning() -> None:
-    from tools.docs import main
-    from tools.workspace.layout import Layout
+def test_fields_of_classes_are_described_by_what_stands_beside_them() -> None:
+    import ghc_controller as ghc
 
-    assert main() == 0
-    site = Layout(ROOT).site
-    for pages in NAVIGATION.values():
-        for page in pages:
-            text = (site / f"{page}.html").read_text(encoding="utf-8")
-            assert not re.search(r'(?:src|href)="https?://[^"]*\.(?:js|css|woff2?)"', text), page
-    for path in NOTEBOOKS:
-        page = site / path.relative_to(DOCS).with_suffix(".html")
-        assert "data:image/png" in (text := page.read_text("utf-8")) or "_images/" in text, path
+    state = described(ghc.RobotState)
+    assert "    time: [s]" in state and "    q: (nq,) [rad]" in state
+    assert any(
+        line.startswith("    wrenches: ") and "of the surroundings" in line for line in state
+    )
+    assert "    control_dt: [s] control period; default `0.001`" in described(ghc.Settings)
+    assert described(ghc.Controller) == []
 
 
 def test_every_message_of_the_troubleshooting_page_stands_in_the_source() -> None:
