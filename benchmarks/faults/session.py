@@ -90,7 +90,7 @@ class Session:
         self.transitions = create(PriorityTransition, "ghc/priority_transition", RELIABLE_QOS)
         self.references = create(TaskReference, "ghc/task_reference", RELIABLE_QOS)
         self.ticks = create(Tick, "ghc/tick", CONTROL_PUBLISHER_QOS)
-        self.epochs = create(Epoch, "sim_bridge/epoch", RELIABLE_QOS)
+        self.epochs = create(Epoch, "sim_bridge/epoch", LATCHED_QOS)
         self.obstacles = create(ObstacleStateArray, "constraints/obstacles", CONTROL_PUBLISHER_QOS)
         self.state: JointState | None = None  # the newest one of the bridge or anybody
         self.command: JointState | None = None

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from ghc_msgs.msg import (
     ContactForceBounds,
+    ContactState,
     ControllerState,
     ObstacleState,
     ObstacleStateArray,
@@ -210,9 +211,12 @@ def test_a_malformed_obstacle_is_refused(fields: dict[str, Any], words: str) -> 
 
 
 def test_bounds_in_force_of_the_controller() -> None:
-    message = ControllerState(
-        bounded_contacts=["left", "right"], contact_lower=[0.0, 1.0], contact_upper=[5.0, 6.0]
-    )
+    message = ControllerState()
+    message.contacts = [
+        ContactState(name="left", planned=True, lower=0.0, upper=5.0),
+        ContactState(name="hand", on=True, force=3.0),
+        ContactState(name="right", planned=True, lower=1.0, upper=6.0),
+    ]
     entry = ObstacleState(id="box")
     entry.position[:] = [1.0, 2.0, 3.0]
     entry.acceleration[:] = [4.0, 5.0, 6.0]
@@ -224,9 +228,8 @@ def test_bounds_in_force_of_the_controller() -> None:
 
 
 def _state(stamp: float, lower: float, upper: float) -> bytes:
-    message = ControllerState(
-        bounded_contacts=["foot"], contact_lower=[lower], contact_upper=[upper]
-    )
+    message = ControllerState()
+    message.contacts = [ContactState(name="foot", planned=True, lower=lower, upper=upper)]
     message.header.stamp = time_from_seconds(stamp)
     return serialize_message(message)
 

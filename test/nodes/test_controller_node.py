@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from ghc_msgs.msg import (
     ControllerMode,
     ControllerState,
@@ -19,6 +19,7 @@ from ghc_msgs.msg import (
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
+    TaskReferenceStatus,
     TransitionStatus,
 )
 from rclpy.executors import SingleThreadedExecutor
@@ -54,6 +55,7 @@ class Robot:
         self.commands: list[JointState] = []
         self.statuses: list[TransitionStatus] = []
         self.states: list[ControllerState] = []
+        self.replies: list[TaskReferenceStatus] = []
         self.matrices: list[PriorityMatrix] = []
         self.time = 0.0
         create = self.node.create_publisher
@@ -64,6 +66,7 @@ class Robot:
         listen = self.node.create_subscription
         listen(JointState, "joint_commands", self.commands.append, CONTROL_SUBSCRIBER_QOS)
         listen(TransitionStatus, "ghc/transition_status", self.statuses.append, RELIABLE_QOS)
+        listen(TaskReferenceStatus, "ghc/task_reference_status", self.replies.append, RELIABLE_QOS)
         listen(ControllerState, "ghc/controller_state", self.states.append, STREAM_QOS)
         listen(PriorityMatrix, "ghc/priority_matrix", self.matrices.append, LATCHED_QOS)
 
@@ -387,10 +390,43 @@ def test_references(robot: Robot) -> None:
         ),
         TaskReference(task="elbow", joints=JOINTS, points=good.points),
     ]
-    for message in bad:
+    for k, message in enumerate(bad):
+        message.id = f"bad {k}"
         robot.refer(message)
     robot.until(lambda: robot.count("rejected_ghc/task_reference") == len(bad), robot.step)
     assert _reference(robot) == [0.4, 0.1, 0.5]
+    robot.until(lambda: len(robot.replies) == 1 + len(bad))
+    first, *others = robot.replies
+    assert (first.status, first.task) == (TaskReferenceStatus.ACCEPTED, "end_effector")
+    assert [reply.id for reply in others] == [message.id for message in bad]
+    assert {reply.status for reply in others} == {TaskReferenceStatus.REJECTED}
+    assert all(reply.reason for reply in others)
+
+
+def test_a_reference_of_several_points_is_done_or_replaced(robot: Robot) -> None:
+    """Three periods long; the second one is replaced by a standing target after one."""
+    robot.step()
+    points = [
+        TaskReferencePoint(position=[0.4, 0.1, 0.5]),
+        TaskReferencePoint(position=[0.4, 0.1, 0.51], time_from_start=Duration(nanosec=3_000_000)),
+    ]
+    for name in ("first", "second"):
+        robot.refer(TaskReference(id=name, task="elbow", points=points))
+        robot.until(lambda: [r.id for r in robot.replies[-1:]] == [name])  # noqa: B023
+        robot.step()
+        if name == "second":
+            robot.refer(TaskReference(id="third", task="elbow", points=points[:1]))
+            robot.until(lambda: robot.replies[-1].id == "third")
+        for _ in range(4):
+            robot.step()
+    robot.until(lambda: len(robot.replies) == 5)
+    assert [(r.id, r.status) for r in robot.replies] == [
+        ("first", TaskReferenceStatus.ACCEPTED),
+        ("first", TaskReferenceStatus.DONE),
+        ("second", TaskReferenceStatus.ACCEPTED),
+        ("third", TaskReferenceStatus.ACCEPTED),
+        ("second", TaskReferenceStatus.REPLACED),
+    ]
 
 
 def test_torque_stays_inside_rate_and_limits(

@@ -14,6 +14,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import (
     ContactForceBounds,
     ContactSchedule,
+    ContactState,
     ControllerState,
     Epoch,
     ObstacleState,
@@ -171,6 +172,12 @@ def start(world: Surroundings, start_node: Callable[..., Any]) -> Callable[..., 
     return start
 
 
+def _bounded(lower: float, upper: float) -> ControllerState:
+    """What the controller says of the contact `foot`."""
+    foot = ContactState(name="foot", planned=True, lower=lower, upper=upper)
+    return ControllerState(contacts=[foot])
+
+
 def _foot(times: list[float], upper: list[float]) -> contact_schedule.ContactSchedule:
     return contact_schedule.ContactSchedule.checked("foot", times, [0.0] * len(times), upper)
 
@@ -298,8 +305,7 @@ def test_a_restarted_generator_takes_over_from_the_bound_in_force(
     node.wait()
     start("contact_force_bounds", horizon=0.5, take_over_timeout=10.0)
     lower, upper = plan.at(0.25)
-    in_force = ControllerState(bounded_contacts=["foot"])
-    in_force.contact_lower, in_force.contact_upper = [float(lower[0])], [float(upper[0])]
+    in_force = _bounded(float(lower[0]), float(upper[0]))
     again = world.tick(0.25, lambda: world.controller.publish(in_force))
     assert again.upper[0] == pytest.approx(upper[0], abs=1e-12)
     assert 0.0 < again.upper[0] < 40.0
@@ -310,8 +316,7 @@ def test_a_restarted_generator_does_not_follow_a_schedule_that_was_replaced(
 ) -> None:
     """The topic keeps both; the second comes 0.1 s after the first, while ticks go on."""
     node = start("contact_force_bounds", horizon=0.5, take_over_timeout=10.0)
-    in_force = ControllerState(bounded_contacts=["foot"])
-    in_force.contact_lower, in_force.contact_upper = [0.0], [20.0]
+    in_force = _bounded(0.0, 20.0)
     begun = time.monotonic()
     sent = 0
     while not world.plans:
@@ -330,8 +335,7 @@ def test_a_contact_that_nobody_schedules_any_more_stays_as_it_is(
 ) -> None:
     """The planner has gone as well: the bounds in force, not those of the robot's file."""
     start("contact_force_bounds", horizon=0.5, take_over_timeout=1.0)
-    in_force = ControllerState(bounded_contacts=["foot"])
-    in_force.contact_lower, in_force.contact_upper = [0.0], [20.0]
+    in_force = _bounded(0.0, 20.0)
     plan = world.tick(5.0, lambda: world.controller.publish(in_force))
     assert plan.contacts == ["foot"]
     assert set(plan.upper) == {20.0}

@@ -1,6 +1,6 @@
 """The part of the controller node that takes requests: other priorities, references.
 
-Publishes  ghc/transition_status.
+Publishes  ghc/transition_status, ghc/task_reference_status.
 Subscribes ghc/priority_transition, ghc/task_reference.
 
 In real time a request is deserialized, parsed and checked by a thread of its own; the control
@@ -17,7 +17,12 @@ from queue import Empty, Full, Queue
 from threading import Thread
 from typing import Any, Protocol
 
-from ghc_msgs.msg import PriorityTransition, TaskReference, TransitionStatus
+from ghc_msgs.msg import (
+    PriorityTransition,
+    TaskReference,
+    TaskReferenceStatus,
+    TransitionStatus,
+)
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
@@ -25,17 +30,20 @@ from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.hierarchy import Transition, TransitionEvent
 from ghc_controller.references.plausibility import check_plausible
+from ghc_controller.references.progress import ReferenceEvent, ReferenceProgress
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.ros.conversions.requests import (
     event_message,
+    reference_event_message,
     reference_from_message,
+    reference_status_message,
     status_message,
     transition_from_message,
 )
 from ghc_controller.ros.qos import RELIABLE_QOS
 from ghc_controller.ros.run import tolerant
 from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
-from ghc_controller.safety.modes import ModeLogic
+from ghc_controller.safety.modes import Mode, ModeLogic
 from ghc_controller.types import NANOSECONDS
 
 TRANSITION, REFERENCE = "ghc/priority_transition", "ghc/task_reference"
@@ -43,6 +51,7 @@ TRANSITION, REFERENCE = "ghc/priority_transition", "ghc/task_reference"
 MOST_BYTES = {TRANSITION: 1 << 16, REFERENCE: 1 << 18}
 MOST_BYTES_LOCKSTEP = 1 << 26  # [bytes] time stands still meanwhile
 MOST_WAITING = 4096  # [-] requests that wait for a state, or for the thread
+MOST_NAME, MOST_WORDS = 200, 1000  # [-] characters of an id and of a reason in a reply
 MOST_PER_STATE = 4  # [-] requests that are taken over at one state in real time
 
 Ready = Callable[[float], None]  # takes a request over at a time [s]
@@ -92,6 +101,10 @@ class RequestDesk:
         self._status = node.create_publisher(
             TransitionStatus, "ghc/transition_status", RELIABLE_QOS
         )
+        self._reference_status = node.create_publisher(
+            TaskReferenceStatus, "ghc/task_reference_status", RELIABLE_QOS
+        )
+        self._progress = ReferenceProgress()
         kinds = {TRANSITION: PriorityTransition, REFERENCE: TaskReference}
         self._kinds: dict[str, type] = kinds
         self._incoming: Queue[tuple[str, bytes]] = Queue(MOST_WAITING)
@@ -113,9 +126,14 @@ class RequestDesk:
         while self._ready and left:
             self._ready.popleft()(now)
             left -= 1
+        if self._modes.mode is Mode.ACTIVE:
+            self._end(self._progress.advance(now))
+        else:
+            self._end(self._progress.end_all(now, self._modes.reason))
 
     def begin_run(self) -> None:
-        """A run has begun: take what came early for it."""
+        """A run has begun: what came for it before is taken, references of others have ended."""
+        self._end(self._progress.end_all(self._now or 0.0, "another run has begun"))
         early = list(self._early)
         self._early.clear()
         for topic, data in early:
@@ -135,7 +153,7 @@ class RequestDesk:
         """A serialized request has come."""
         most = MOST_BYTES_LOCKSTEP if self._lockstep else MOST_BYTES[topic]
         if len(data) > most:
-            self._refuse(topic, "", f"{len(data)} bytes given, at most {most} expected")
+            self._refuse(topic, None, f"{len(data)} bytes given, at most {most} expected")
         elif len(data) >= STAMP_END and self._states.is_of_next_run(read_stamp(data)):
             self._early.append((topic, data))
         elif self._lockstep:
@@ -144,7 +162,7 @@ class RequestDesk:
             try:
                 self._incoming.put_nowait((topic, data))
             except Full:
-                self._refuse(topic, "", f"more than {MOST_WAITING} requests wait")
+                self._refuse(topic, None, f"more than {MOST_WAITING} requests wait")
 
     def _put(self, ready: Ready) -> None:
         """In lockstep: at once, or for the first state."""
@@ -170,22 +188,21 @@ class RequestDesk:
 
     def _prepared(self, topic: str, data: bytes) -> Ready:
         """What is to be done with a request at a state; in real time in the thread."""
-        request_id = ""
+        message = None
         try:
             message = deserialize_message(data, self._kinds[topic])
-            request_id = getattr(message, "id", "")
             if self._now is None or self._lockstep:
                 # Checked where it is taken over: it depends on the state there.
                 return partial(self._convert_and_take, topic, message)
             return self._converted(message, self._now)
         except Exception as error:  # a message may be anything
-            return partial(self._refuse_at, topic, request_id, str(error))
+            return partial(self._refuse_at, topic, message, str(error))
 
     def _convert_and_take(self, topic: str, message: Any, now: float) -> None:
         try:
             ready = self._converted(message, now)
         except GhcError as error:
-            self._refuse(topic, getattr(message, "id", ""), str(error))
+            self._refuse(topic, message, str(error))
             return
         ready(now)
 
@@ -195,21 +212,23 @@ class RequestDesk:
         if isinstance(message, PriorityTransition):
             tasks = controller.robot.task_names
             transition = transition_from_message(message, tasks, now)
-            return partial(self._take_transition, transition)
+            return partial(self._take_transition, message, transition)
         schedule = controller.schedule_of(message.task)
         task = schedule.task(message.task)
         current = schedule.peek(message.task, now).position
         reference = reference_from_message(message, task, current, now)
         check_plausible(task, reference, controller.model.limits, controller.model.joint_names)
-        return partial(self._take_reference, reference)
+        return partial(self._take_reference, message, reference)
 
-    def _take_transition(self, transition: Transition, now: float) -> None:
+    def _take_transition(
+        self, message: PriorityTransition, transition: Transition, now: float
+    ) -> None:
         controller = self._controller
         try:
             self._check(transition.start, now)
             is_new = controller.add_transition(transition, now)
         except GhcError as error:
-            self._refuse(TRANSITION, transition.id, str(error))
+            self._refuse(TRANSITION, message, str(error))
             return
         self._modes.requested()
         if is_new:
@@ -221,26 +240,46 @@ class RequestDesk:
         if controller.priorities.is_settled:
             self._status.publish(status_message(TransitionStatus.DONE, now, transition))
 
-    def _take_reference(self, reference: ReferenceTrajectory, now: float) -> None:
+    def _take_reference(
+        self, message: TaskReference, reference: ReferenceTrajectory, now: float
+    ) -> None:
         try:
             self._check(reference.start_time, now)
             self._controller.add_reference(reference)
         except GhcError as error:
-            self._refuse(REFERENCE, "", str(error))
+            self._refuse(REFERENCE, message, str(error))
             return
+        self._reference_status.publish(
+            reference_status_message(
+                TaskReferenceStatus.ACCEPTED, now, message, reference.start_time
+            )
+        )
+        self._progress.add(message.id, reference)
         self._modes.requested()
         self._states.forget()
 
-    def _refuse_at(self, topic: str, request_id: str, reason: str, _: float) -> None:
-        self._refuse(topic, request_id, reason)
+    def _end(self, events: Iterable[ReferenceEvent]) -> None:
+        for event in events:
+            self._reference_status.publish(reference_event_message(event))
 
-    def _refuse(self, topic: str, request_id: str, reason: str) -> None:
+    def _refuse_at(self, topic: str, message: Any, reason: str, _: float) -> None:
+        self._refuse(topic, message, reason)
+
+    def _refuse(self, topic: str, message: Any, reason: str) -> None:
+        """Reply to a request that cannot be taken; `message` is None where it cannot be read."""
+        reason, now = reason[:MOST_WORDS], self._now or 0.0
+        name = "" if message is None else message.id[:MOST_NAME]
         if topic == TRANSITION:
             status = TransitionStatus.REJECTED
-            self._status.publish(
-                status_message(status, self._now or 0.0, None, request_id[:200], reason[:1000])
+            self._status.publish(status_message(status, now, None, name, reason))
+        else:
+            task = "" if message is None else message.task[:MOST_NAME]
+            status = TaskReferenceStatus.REJECTED
+            request = TaskReference(id=name, task=task)
+            self._reference_status.publish(
+                reference_status_message(status, now, request, reason=reason)
             )
-        self._reject(topic, reason[:1000])
+        self._reject(topic, reason)
 
     def _check(self, start: float, now: float) -> None:
         refusal = self._modes.refusal()

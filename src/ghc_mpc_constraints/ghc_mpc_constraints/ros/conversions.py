@@ -144,10 +144,10 @@ def motion_in_force(data: bytes, time: float) -> dict[str, Array]:
 def _stamped_bounds(data: bytes) -> tuple[float, dict[str, Array]]:
     """Stamp [s], and contact -> (lower, upper) [N]."""
     message: ControllerState = deserialize_message(data, ControllerState)
-    rows = zip(message.contact_lower, message.contact_upper, strict=False)
     bounds = {
-        contact: np.array(row)
-        for contact, row in zip(message.bounded_contacts, rows, strict=False)
+        contact.name: np.array([contact.lower, contact.upper])
+        for contact in message.contacts
+        if contact.planned
     }
     return nanoseconds_from_time(message.header.stamp) / NANOSECONDS, bounds
 

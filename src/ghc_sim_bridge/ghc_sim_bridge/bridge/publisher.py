@@ -36,7 +36,6 @@ class StatePublisher:
     ) -> None:
         """Where the serialized messages go; `contacts` by contact name, empty for none, and
         `odometry` of a robot whose base floats."""
-        self.has_clock = True  # False while another bridge publishes it
         self._observe = observe
         self._joint_states = joint_states
         self._clock = clock
@@ -60,5 +59,4 @@ class StatePublisher:
             self._odometry(self._base.encode(stamp, base.pose, base.velocity))
         q, v = cycle.measured
         self._joint_states(self._encoder.encode(stamp, cycle.simulator.torque, q, v))
-        if self.has_clock:
-            self._clock(encode_clock(stamp))
+        self._clock(encode_clock(stamp))

@@ -57,10 +57,11 @@ from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.ros.command_desk import CommandDesk
 from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.others import (
+    CLOCK,
     YoungBridge,
-    clock_belongs_to_another,
     refuse_second_bridge,
 )
+from ghc_sim_bridge.ros.shared_clock import SharedClock
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleSensor
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -104,6 +105,7 @@ class SimBridge:
         self._parameters = p = read_parameters(self.node, BridgeParameters)
         self.executor = p.executor
         since = time.monotonic()
+        clock = self._advertise(Clock, CLOCK, CLOCK_QOS, stop)  # others know of it meanwhile
         simulator = Simulator(
             p.scene,
             control_dt=p.control_dt,
@@ -125,8 +127,10 @@ class SimBridge:
         self._commands = CommandDesk(self.node, self._cycle)
         self._health = BridgeDiagnostics(self._commands.rejections)
         refuse_second_bridge(self.node, since)
+        self._clock = SharedClock(self.node, lambda: self._cycle.time_ns)
+        self._clock.settle()
         self._epochs = self.node.create_publisher(Epoch, "~/epoch", LATCHED_QOS)
-        self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
+        self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), clock, stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
         self._young = YoungBridge(self.node, lambda: self._cycle.time_ns, stop)
@@ -136,27 +140,29 @@ class SimBridge:
             f"scene '{p.scene}', {p.mode}, {'paused' if p.paused else 'running'}"
         )
 
-    def _make_publisher(self, contacts: Sequence[str], stop: Future) -> StatePublisher:
+    def _advertise(self, kind: type, topic: str, qos: QoSProfile, stop: Future) -> Publish:
+        """What publishes a topic; with `lossless` whatever that takes."""
         p = self._parameters
-        qos = LOSSLESS_PUBLISHER_QOS if p.lossless else CONTROL_PUBLISHER_QOS
+        if not p.lossless:
+            return self.node.create_publisher(kind, topic, qos).publish
+        publish: Publish = self.node.create_publisher(kind, topic, LOSSLESS_PUBLISHER_QOS).publish
+        return patient(publish, topic, p.lockstep_timeout, stop.done)
 
-        def advertise(kind: type, topic: str, qos: QoSProfile) -> Publish:
-            publish: Publish = self.node.create_publisher(kind, topic, qos).publish
-            return (
-                patient(publish, topic, p.lockstep_timeout, stop.done) if p.lossless else publish
-            )
+    def _make_publisher(
+        self, contacts: Sequence[str], clock: Publish, stop: Future
+    ) -> StatePublisher:
+        def advertise(kind: type, topic: str) -> Publish:
+            return self._advertise(kind, topic, CONTROL_PUBLISHER_QOS, stop)
 
         return StatePublisher(
-            advertise(JointState, "joint_states", qos),
-            advertise(Clock, "/clock", qos if p.lossless else CLOCK_QOS),
-            {name: advertise(WrenchStamped, f"contacts/{name}", qos) for name in contacts},
-            self._make_observer(advertise, qos),
-            advertise(Odometry, "odom", qos) if self._cycle.simulator.floating_base else None,
+            advertise(JointState, "joint_states"),
+            lambda data: clock(data) if self._clock.owned else None,
+            {name: advertise(WrenchStamped, f"contacts/{name}") for name in contacts},
+            self._make_observer(advertise),
+            advertise(Odometry, "odom") if self._cycle.simulator.floating_base else None,
         )
 
-    def _make_observer(
-        self, advertise: Callable[[type, str, QoSProfile], Publish], qos: QoSProfile
-    ) -> Observe | None:
+    def _make_observer(self, advertise: Callable[[type, str], Publish]) -> Observe | None:
         """The obstacle sensor of the scene, as what publishes its readings; None without one."""
         simulator = self._cycle.simulator
         scene = simulator.scene
@@ -165,7 +171,7 @@ class SimBridge:
         for obstacle in scene.obstacles:
             simulator.frame_position(obstacle.protected_frame)  # an unknown one ends the node now
         sensor = ObstacleSensor(scene.obstacles, scene.sensor_period, simulator.control_dt)
-        publish = advertise(ObstacleStateArray, "constraints/obstacles", qos)
+        publish = advertise(ObstacleStateArray, "constraints/obstacles")
 
         def observe(cycle: ControlCycle) -> None:
             if sensor.is_due(cycle.run_ns):
@@ -229,12 +235,7 @@ class SimBridge:
 
     def _publish_diagnostics(self) -> None:
         self._young.look()
-        has_clock = not clock_belongs_to_another(self.node)
-        if self._publisher.has_clock and not has_clock:
-            self.node.get_logger().warning(
-                "/clock: another bridge publishes it on this network; this one leaves it to it"
-            )
-        self._publisher.has_clock = has_clock
+        self._clock.look()
         health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
             diagnostics_message(

@@ -193,8 +193,9 @@ class ExperimentClient(Node):
         trace.time_terms.append(message.time_terms)
         trace.time_solve.append(message.time_solve)
         trace.time_step.append(message.time_step)
-        for name, value in zip(message.slack_names, message.slack, strict=False):
-            trace.slack[name] = max(trace.slack.get(name, 0.0), abs(value))
+        for entry in message.rows:
+            if entry.slack:
+                trace.slack[entry.name] = max(trace.slack.get(entry.name, 0.0), abs(entry.slack))
         if message.fallback_reason:
             trace.fallback_reasons.add(message.fallback_reason)
         trace.constraints.append(time, message)
