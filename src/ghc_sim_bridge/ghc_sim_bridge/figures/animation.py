@@ -108,7 +108,14 @@ def _plots(analysis: Analysis) -> tuple[Picture, int, int]:
             _draw_error(errors, analysis, index, task)
         errors.set_yscale("log")
         errors.set_ylim(_LEAST_ERROR, 10.0)
-        errors.legend(loc="lower left", ncols=3, fontsize=7, columnspacing=0.8, handlelength=1.0)
+        errors.legend(  # above the axes: no curve runs there
+            loc="lower center",
+            bbox_to_anchor=(0.5, 0.97),
+            ncols=3,
+            fontsize=7,
+            columnspacing=0.8,
+            handlelength=1.0,
+        )
         step = max(1, round(0.01 / analysis.log.control_dt))
         log = analysis.log
         for joint, torque in enumerate(log.torque[::step].T):
