@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up_run import DT, made_up
 
-from ghc_controller.robot.library import find_robot
-from ghc_sim_bridge.analysis.analysis import Analysis, analyse
 from ghc_sim_bridge.analysis.phase_table import outcome_lines, phase_table
 from ghc_sim_bridge.analysis.summary import make_summary, rounded, write_json
 from ghc_sim_bridge.figures.comparison import torque_comparison
@@ -21,8 +20,6 @@ from ghc_sim_bridge.scenario.plan import RunOptions
 from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
 
-DT = 1e-3
-JOINTS = tuple(f"joint_{k}" for k in range(1, 8))
 PNG_LIMIT = 150_000  # [bytes] so that figures can stand beside the documentation
 REQUIRED = {
     "scenario",
@@ -46,46 +43,6 @@ REQUIRED = {
     "torque_rate_limit_nm_per_s",
     "paper",
 }
-
-
-def made_up(folder: Path, scenario: str) -> tuple[Analysis, ControllerTrace]:
-    """A log of smoothly moving joints with one torque step, and matching priorities."""
-    plan = make_plan(load_scenario(scenario), RunOptions(), folder)
-    time = np.arange(round(plan.duration / DT)) * DT
-    phase = np.linspace(0.0, 1.0, len(JOINTS))
-    q = 0.4 * np.sin(0.3 * time[:, None] + phase) + 0.5
-    v = 0.12 * np.cos(0.3 * time[:, None] + phase)
-    torque = 5.0 * q
-    torque[len(torque) // 2 :, 2] += 3.0
-    contact = np.zeros((len(time), 6))
-    contact[:, 2] = np.where(time > 5.0, 20.0, 0.0)
-    log = folder / "log.npz"
-    np.savez(
-        log,
-        time=time,
-        q=q,
-        v=v,
-        acceleration=-0.3 * v,
-        torque=torque,
-        commanded=torque,
-        source=np.zeros(len(time), np.uint8),
-        epoch=np.zeros(len(time), np.uint32),
-        cycle_time=np.full(len(time), 5e-4),
-        wrench_tool=contact,
-        joint_names=np.array(JOINTS),
-        control_dt=DT,
-    )
-    robot = find_robot("kuka_lwr")
-    analysis = analyse(plan, log, robot)
-    trace = ControllerTrace(tasks=("end_effector", "elbow", "posture"))
-    for t in np.arange(0.0, plan.duration, 0.01):
-        rise = float(np.clip((t - plan.phases[0].end) / 2.0, 0.0, 1.0))
-        trace.time.append(float(t))
-        trace.alpha.append([rise, 1.0 - rise, 0.0, rise, 0.0, 0.0, 1.0, 1.0, 0.0])
-        trace.errors.append([0.1, 0.1, 0.1])
-        trace.time_step.append(1e-4)
-    trace.counts = {"qp_failures": 0, "fallback_ticks": 0}
-    return analysis, trace
 
 
 def test_a_run_has_the_figures_that_its_data_allow(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.numerics.rotation import quaternion_from_matrix
 from ghc_controller.references.follower import ReferenceSpace
 from ghc_controller.robot.robot import Robot
 from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
@@ -61,17 +60,15 @@ def target_of(task: Task, reference: Sequence[float], model: RobotModel) -> Targ
     values = np.array(reference)
     if values.shape != (task.position_size,):
         return None
-    place = _place(task, model)
-    if place is None:
+    actual = _place(task, model)
+    if actual is None:
         return None
-    actual, turn = place
     if isinstance(task, FrameAvoidanceTask):
         return Target(values, actual, None, True)
     if task.space is ReferenceSpace.POSE:
         return Target(values[:3], actual, values[3:], False)
     if task.space is ReferenceSpace.ORIENTATION:
         return Target(actual, actual, values, False)
-    del turn
     if not set(task.labels) <= set(_AXES):
         return None
     position = actual.copy()
@@ -88,12 +85,9 @@ def removed_tasks(names: Sequence[str], alpha: Sequence[float]) -> Mapping[str, 
     return {name: bool(value >= 1.0) for name, value in zip(names, diagonal, strict=True)}
 
 
-def _place(task: Task, model: RobotModel) -> tuple[Array, Array] | None:
-    """Position (3,) and quaternion of what a task moves."""
+def _place(task: Task, model: RobotModel) -> Array | None:
+    """Position (3,) [m] of what a task moves."""
     frame = getattr(task, "frame", None)
     if isinstance(frame, str):
-        terms = model.frame(model.frame_id(frame))
-        return terms.position.copy(), quaternion_from_matrix(terms.rotation)
-    if set(task.labels) <= set(_AXES):
-        return model.center_of_mass(), np.array([0.0, 0.0, 0.0, 1.0])
-    return None
+        return model.frame_position(model.frame_id(frame)).copy()
+    return model.center_of_mass() if set(task.labels) <= set(_AXES) else None

@@ -81,7 +81,7 @@ def _parser() -> argparse.ArgumentParser:
         help="[N], [Nm] that the robot shall exert, one number per row, under force control",
     )
     parser.add_argument(
-        "--file", type=Path, help="follow the points of a .csv or .yaml file (docs/display.md)"
+        "--file", type=Path, help="follow the points of a .csv or .yaml file (docs/running.md)"
     )
     timed = parser.add_mutually_exclusive_group()
     timed.add_argument(

@@ -30,7 +30,7 @@ ENDLESS, SHEET = 4.0, 0.002  # [m] drawn of a plane: width, height
 LETTERS = 0.03  # [m]
 LOADED = 1.0  # [N] a contact with less is drawn as free
 _FAINT = 0.25  # opacity of what is not in force
-_AXES = (rgba("#D55E00"), rgba("#009E73"), rgba("#0072B2"))  # x, y, z
+_AXES = (rgba(PALETTE[4]), rgba(PALETTE[1]), rgba(PALETTE[0]))  # x red, y green, z blue
 _FREE = PALETTE[6]
 
 
