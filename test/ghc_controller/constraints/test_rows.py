@@ -11,7 +11,16 @@ import pytest
 from model_states import ROBOTS, make_model, moved, random_state
 
 import ghc_controller as ghc
-from ghc_controller.constraints import Constraint, ConstraintSet, Rows, Softness, Space, Tick
+from ghc_controller.constraints import (
+    BoxConstraint,
+    Constraint,
+    ConstraintSet,
+    Rows,
+    Softness,
+    Space,
+    Tick,
+)
+from ghc_controller.constraints.registry import CONSTRAINTS, ConstraintFields, register_constraint
 from ghc_controller.constraints.rows.cartesian_wall import CartesianWall
 from ghc_controller.constraints.rows.frame_speed import FrameSpeed
 from ghc_controller.constraints.rows.joint_coupling import JointCoupling
@@ -20,6 +29,8 @@ from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.problem.violation import largest_violation
 from ghc_controller.qp import VIOLATION_TOLERANCE
 from ghc_controller.robot.library import find_robot
+from ghc_controller.schema.reader import Fields
+from ghc_controller.schema.record import read
 from ghc_controller.types import Array, RobotState
 from ghc_sim_bridge.simulation.simulator import Simulator
 
@@ -346,3 +357,31 @@ def test_robot_yaml_lists_constraints(tmp_path: Path) -> None:
     path.write_text(f"{text}\nconstraints:\n{entry.replace('NAME', 'friction')}")
     with pytest.raises(InvalidValue, match="'friction' is given twice"):
         ghc.Controller(ghc.load_robot(path))
+
+
+def test_a_box_in_one_file_is_a_kind_of_robot_yaml(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is merged with the boxes of every robot, and named by joint."""
+    assert "cartesian_wall" in CONSTRAINTS.built_in
+    monkeypatch.setattr(CONSTRAINTS, "_registered", dict(CONSTRAINTS._registered))
+
+    @register_constraint("calm")
+    class Calm(BoxConstraint):
+        """|x| <= 0.01 rad/s^2 of all joints."""
+
+        entry = ConstraintFields
+        space, softness = Space.ACCELERATION, Softness.SOFT
+
+        @classmethod
+        def from_config(cls, fields: Fields, model: RobotModel) -> BoxConstraint:  # noqa: ARG003
+            return cls(read(fields, ConstraintFields).name)
+
+        def write(self, tick: Tick, lower: Array, upper: Array) -> None:
+            lower[:], upper[:] = -0.01, 0.01
+
+    state = Simulator("kuka_lwr", control_dt=DT).state()
+    controller = ghc.Controller(_arm({"kind": "calm", "name": "still"}))
+    controller.start(state)
+    controller.set_reference("hand", [0.3, 0.3, 0.5])
+    result = controller.step(state)
+    assert np.abs(result.solution.acceleration).max() == pytest.approx(0.01, abs=1e-7)
+    assert "still.joint_1" in controller.report().active_constraints

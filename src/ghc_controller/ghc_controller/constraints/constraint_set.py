@@ -71,6 +71,7 @@ class ConstraintSet:
             [c for c in boxes if c.space is Space.ACCELERATION], base + model.joint_names
         )
         self._torque = _Merge([c for c in boxes if c.space is Space.TORQUE], model.joint_names)
+        self._following = [c for c in constraints if type(c).is_stale is not Constraint.is_stale]
         self._stack = RowStack(constraints, in_contact)
         self.boxes = Boxes(self._acceleration.box, self._torque.box)
 
@@ -96,7 +97,7 @@ class ConstraintSet:
 
     def is_stale(self, time: float) -> bool:
         """Whether a preview that a constraint follows has ended at `time` [s]."""
-        return any(constraint.is_stale(time) for constraint in self.constraints)
+        return any(constraint.is_stale(time) for constraint in self._following)
 
     def reset(self) -> None:
         """Forget the last state and all previews."""

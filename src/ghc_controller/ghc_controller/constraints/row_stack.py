@@ -82,12 +82,18 @@ class RowStack:
             self._stacked = [rows.matrix for rows in forces]
             self._matrix = np.vstack(self._stacked)
             self._names = sum((rows.names for rows in forces), ())
-        return contacts._replace(
-            force_matrix=self._matrix,
-            force_lower=np.concatenate([rows.lower for rows in forces]),
-            force_upper=np.concatenate([rows.upper for rows in forces]),
-            names=self._names,
-            bounds=self._bounds,
+        return ContactRows(  # _replace takes five times as long
+            contacts.jacobian,
+            contacts.drift_target,
+            contacts.force_jacobian,
+            self._matrix,
+            np.concatenate([rows.lower for rows in forces]),
+            np.concatenate([rows.upper for rows in forces]),
+            contacts.force_center,
+            contacts.force_factor,
+            self._names,
+            self._bounds,
+            contacts.forces,
         )
 
 

@@ -105,7 +105,7 @@ class Contact:
 
     @property
     def force_axes(self) -> Array:
-        """Directions (a, 3) of the force at each point, the normal last."""
+        """Directions (a, 3) of the force at each point, C-contiguous, the normal last."""
         return self.axes if self.friction > 0.0 else self.axes[2:]
 
     @property
@@ -124,7 +124,7 @@ class Contact:
             frame.velocity,
             frame.drift,
             self.points,
-            np.ascontiguousarray(self.force_axes),
+            self.force_axes,
             STOPPING_RATE,
             target,
         )
@@ -144,8 +144,7 @@ class Contact:
 
     def write_forces(self, frame: FrameTerms, jacobian: Array) -> None:
         """Write J_f (c, n): forces f exert the generalized force J_f^T f."""
-        axes = np.ascontiguousarray(self.force_axes)
-        write_force_map(frame.rotation, frame.jacobian, self.points, axes, jacobian)
+        write_force_map(frame.rotation, frame.jacobian, self.points, self.force_axes, jacobian)
 
     def cone(self) -> Array:
         """Rows (r, c) with rows f <= 0: what friction can hold, and that nothing pulls."""

@@ -48,5 +48,4 @@ class SlidingContact(Contact):
     def write_motion(self, frame: FrameTerms, jacobian: Array, target: Array) -> None:
         """The motion along the normal, friction aside."""
         super(SlidingContact, self).write_motion(frame, jacobian, target)
-        axes = np.ascontiguousarray(self.force_axes)
-        write_force_map(frame.rotation, frame.jacobian, self.points, axes, jacobian)
+        write_force_map(frame.rotation, frame.jacobian, self.points, self.force_axes, jacobian)
