@@ -52,6 +52,7 @@ NODES = {
     "controller": ("ghc_controller", "controller"),
     "obstacle_bounds": ("ghc_mpc_constraints", "obstacle_bounds"),
     "contact_force_bounds": ("ghc_mpc_constraints", "contact_force_bounds"),
+    "recorder": ("ghc_sim_bridge", "recorder"),
 }
 # Targets [m] between which the arm is sent to and fro, fast.
 TARGETS = ((0.45, 0.30, 0.65), (0.45, -0.30, 0.55))

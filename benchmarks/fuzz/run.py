@@ -1,4 +1,4 @@
-"""`make fuzz`: a million cases and more; ARGS="--cases N --only words --seed S".
+"""`make fuzz`: a million cases and more; ARGS="--cases N --nodes N --only words --seed S".
 
 Ends with 1 when an undocumented error came out, or a case took more CPU or memory than it may.
 """
@@ -13,6 +13,7 @@ from pathlib import Path
 
 from benchmarks.fuzz import file_targets, request_targets, wire_targets
 from benchmarks.fuzz.campaign import run_target, table
+from benchmarks.fuzz.node_fuzz import fuzz_nodes
 from benchmarks.fuzz.target import Target
 
 
@@ -26,6 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="fuzz", description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=1_000_000, help="of all targets together")
     parser.add_argument("--only", nargs="*", default=[], help="words of the names of targets")
+    parser.add_argument("--nodes", type=int, default=20_000, help="messages to running nodes")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--output", type=Path, default=Path("results/fuzz"))
     options = parser.parse_args(arguments)
@@ -49,10 +51,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         }
         for o in outcomes
     ]  # fmt: skip
+    nodes = fuzz_nodes(options.nodes, options.seed, options.output) if options.nodes else {}
+    if nodes:
+        print(f"nodes over DDS: {nodes}")
     options.output.mkdir(parents=True, exist_ok=True)
     path = options.output / "fuzz.json"
-    path.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    return 0 if all(o.holds for o in outcomes) else 1
+    path.write_text(
+        json.dumps({"targets": rows, "nodes": nodes}, indent=1) + "\n", encoding="utf-8"
+    )
+    return 0 if all(o.holds for o in outcomes) and nodes.get("holds", True) else 1
 
 
 if __name__ == "__main__":

@@ -78,6 +78,8 @@ class Lockstep:
 class LockstepMode:
     """Same inputs, same trajectory, on any machine and as fast as it can."""
 
+    waits = True
+
     def __init__(
         self,
         cycle: ControlCycle,

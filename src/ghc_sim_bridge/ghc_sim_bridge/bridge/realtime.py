@@ -85,6 +85,8 @@ class Watchdog:
 class RealtimeMode:
     """Periods by the wall clock; the last command stays in force while it is fresh."""
 
+    waits = False
+
     def __init__(
         self,
         cycle: ControlCycle,

@@ -77,7 +77,10 @@ class CommandDesk:
         if self._claim.blocks(sender, time.monotonic()):
             self._ignore(sender)
             return False
-        if self._claim.takes_over(sender) and not self._cycle.continues(torque):
+        # Where time waits nobody holds the robot meanwhile: a controller that was started again
+        # in motion would be refused for ever. The gate limits the change of torque.
+        jumps = not mode.waits and not self._cycle.continues(torque)
+        if self._claim.takes_over(sender) and jumps:
             self.refusal = f"sender '{sender}' would take over with a jump of torque"
             self._reject("takeover", self.refusal)
             return False
