@@ -61,38 +61,36 @@ class TaskTarget(NamedTuple):
     wrench: Array | None = None  # (m,) [N] or [Nm] to be exerted on the surroundings
 
 
-@dataclass(frozen=True, slots=True)
 class TaskRows:
     """Rows of one task, or of several below each other; arrays that are written in place.
 
     A task measures error, Jacobian and drift. The reference gives velocity and acceleration, the
     file of the robot the gains. The law (tasks/law.py) makes the target of all of them.
+
+    Attributes:
+        jacobian: (m, n), rate of the task variable = jacobian @ v.
+        error: (m,) reference - actual; [N] or [Nm] on rows under force control.
+        drift: (m,) acceleration of the task variable = jacobian @ dv + drift.
+        velocity, acceleration: (m,) of the reference.
+        stiffness, damping: (m,) [1/s^2], [1/s].
+        target: (m,) jacobian @ dv -> target: wanted acceleration minus drift.
+        vectors: (7, m), the seven above in the order of VECTORS, for compiled laws.
     """
 
-    error: Array  # (m,) reference - actual; [N] or [Nm] on rows under force control
-    jacobian: Array  # (m, n) rate of the task variable = jacobian @ v
-    drift: Array  # (m,) its acceleration = jacobian @ dv + drift
-    velocity: Array  # (m,) of the reference
-    acceleration: Array  # (m,) of the reference
-    stiffness: Array  # (m,) [1/s^2]
-    damping: Array  # (m,) [1/s]
-    target: Array  # (m,) jacobian @ dv -> target: wanted acceleration minus drift
+    VECTORS = ("error", "drift", "velocity", "acceleration", "stiffness", "damping", "target")
+    __slots__ = (*VECTORS, "jacobian", "vectors")
+
+    def __init__(self, jacobian: Array, vectors: Array) -> None:
+        """Views of jacobian (m, n) and vectors (7, m)."""
+        self.jacobian, self.vectors = jacobian, vectors
+        self.error, self.drift, self.velocity, self.acceleration = vectors[:4]
+        self.stiffness, self.damping, self.target = vectors[4:]
 
     @classmethod
     def zeros(cls, m: int, n: int) -> TaskRows:
         """m rows on n velocity coordinates."""
-        return cls(np.zeros(m), np.zeros((m, n)), *np.zeros((6, m)))
+        return cls(np.zeros((m, n)), np.zeros((len(cls.VECTORS), m)))
 
     def block(self, first: int, end: int) -> TaskRows:
-        """Views of the rows from `first` to `end` - 1."""
-        rows = slice(first, end)
-        return TaskRows(
-            self.error[rows],
-            self.jacobian[rows],
-            self.drift[rows],
-            self.velocity[rows],
-            self.acceleration[rows],
-            self.stiffness[rows],
-            self.damping[rows],
-            self.target[rows],
-        )
+        """The rows from `first` to `end` - 1, on the same arrays."""
+        return TaskRows(self.jacobian[first:end], self.vectors[:, first:end])

@@ -19,38 +19,16 @@ Law = Callable[[TaskRows, Array, float], None]
 
 def tracking(rows: TaskRows, velocity: Array, time: float) -> None:  # noqa: ARG001
     """xi''_d = xi''* + kp e + kd (xi'* - J v) (section 6 of ghc_2015); target = xi''_d - J' v."""
-    _tracking(
-        rows.error,
-        rows.jacobian,
-        rows.drift,
-        rows.velocity,
-        rows.acceleration,
-        rows.stiffness,
-        rows.damping,
-        velocity,
-        rows.target,
-    )
+    _tracking(rows.vectors, rows.jacobian, velocity)
 
 
 @numba.njit(cache=True)
-def _tracking(
-    error: Array,
-    jacobian: Array,
-    drift: Array,
-    reference_velocity: Array,
-    acceleration: Array,
-    stiffness: Array,
-    damping: Array,
-    velocity: Array,
-    target_out: Array,
-) -> None:
+def _tracking(vectors: Array, jacobian: Array, velocity: Array) -> None:
+    error, drift, speed, acceleration = vectors[0], vectors[1], vectors[2], vectors[3]
+    stiffness, damping, target = vectors[4], vectors[5], vectors[6]
     for i in range(error.shape[0]):
         rate = 0.0
         for j in range(velocity.shape[0]):
             rate += jacobian[i, j] * velocity[j]
-        target_out[i] = (
-            acceleration[i]
-            + stiffness[i] * error[i]
-            + damping[i] * (reference_velocity[i] - rate)
-            - drift[i]
-        )
+        wanted = acceleration[i] + stiffness[i] * error[i] + damping[i] * (speed[i] - rate)
+        target[i] = wanted - drift[i]
