@@ -45,6 +45,7 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateValues,
 )
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.ros.wire.old_clients import OldClients
 from ghc_controller.safety.modes import Mode
 from ghc_controller.safety.plausibility import ImplausibleStart, StatePlausibility
 from ghc_controller.schema.reader import Fields
@@ -107,6 +108,7 @@ class ControllerNode:
         self._encoder = JointStateEncoder(self._controller.model.joint_names, sender, motion=False)
         self._command = b""  # serialized, of the last answered state
         self._publish_and_listen()
+        self._old_clients = OldClients(self.node)
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
             f"{self._controller.formulation.name}, solver {p.settings.qp_solver}: ready"
@@ -238,6 +240,9 @@ class ControllerNode:
             self._requests.between_states()
 
     def _publish_diagnostics(self) -> None:
+        mismatch = self._old_clients.look()
+        if mismatch:
+            self.node.get_logger().warning(mismatch)
         silence = self._plans.silent(self._now or 0.0)
         self._status.publish_diagnostics(self._now, silence, self._modes.text)
 
