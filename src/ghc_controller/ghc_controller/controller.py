@@ -19,8 +19,8 @@ from ghc_controller.contacts import (
     NormalForce,
     solve_settled,
 )
-from ghc_controller.control.account import Account
 from ghc_controller.control.requests import Requests
+from ghc_controller.control.status import StatusReports
 from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy import (
     Solvability,
@@ -48,7 +48,7 @@ from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_controller.warm_up import warm_up
 
 
-class Controller(Requests, Account):
+class Controller(Requests, StatusReports):
     """Generalized hierarchical control of one robot.
 
     Each `step` goes one way: state, tasks and constraints, priority matrix, formulation, output

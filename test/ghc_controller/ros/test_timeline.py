@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.ros.synchronizer import StateGate, Verdict
+from ghc_controller.ros.synchronizer import StateDisposition, StateGate
 from ghc_controller.ros.wire.timeline import CONFIRMATIONS, MOST_AHEAD_NS, SILENCE, Place, Timeline
 
 MS = 1_000_000  # [ns]
@@ -103,11 +103,11 @@ def test_random_forgeries_at_the_rate_of_the_run_never_win() -> None:
 def test_the_gate_answers_the_true_states_around_a_forged_one() -> None:
     gate: StateGate[str] = StateGate(())
     for k in range(5):
-        assert gate.state("true", k * MS) is Verdict.NEW
+        assert gate.state("true", k * MS) is StateDisposition.NEW
         gate.answered(k * MS)
-        assert gate.state("forged", 3600_000 * MS) is Verdict.IMPLAUSIBLE
-        assert gate.state("forged", -1) is Verdict.STALE
-    assert gate.state("true", 4 * MS) is Verdict.REPEATED
+        assert gate.state("forged", 3600_000 * MS) is StateDisposition.IMPLAUSIBLE
+        assert gate.state("forged", -1) is StateDisposition.STALE
+    assert gate.state("true", 4 * MS) is StateDisposition.REPEATED
 
 
 @pytest.mark.parametrize("companions", [(), ("odom",)])
@@ -118,24 +118,24 @@ def test_a_run_begins_with_the_first_of_its_states_that_is_answered(
     gate: StateGate[str] = StateGate(companions)
     start = 2000 * MS
 
-    def state(stamp_ns: int) -> Verdict:
-        verdict = gate.state("state", stamp_ns)
+    def state(stamp_ns: int) -> StateDisposition:
+        disposition = gate.state("state", stamp_ns)
         for name in companions:
-            assert verdict is Verdict.WAITING
+            assert disposition is StateDisposition.WAITING
             completed = gate.companion(name, stamp_ns, np.zeros(13))
             assert completed is not None
-            verdict = completed[1]
-        return verdict
+            disposition = completed[1]
+        return disposition
 
-    assert state(MS) is Verdict.NEW
+    assert state(MS) is StateDisposition.NEW
     gate.answered(MS)
-    assert gate.state("state", start) is Verdict.IMPLAUSIBLE  # not announced yet
+    assert gate.state("state", start) is StateDisposition.IMPLAUSIBLE  # not announced yet
     gate.timeline.announce(1, start)
     for k in range(3):
-        assert state(start + k * MS) is Verdict.NEW_EPOCH
+        assert state(start + k * MS) is StateDisposition.NEW_EPOCH
         gate.forget()  # refused
     gate.answered(start + 2 * MS)
-    assert state(start + 3 * MS) is Verdict.NEW
+    assert state(start + 3 * MS) is StateDisposition.NEW
 
 
 @pytest.mark.parametrize(("epoch", "start_ms"), [(0, 0), (1, 0), (2, 7000)])
@@ -147,9 +147,9 @@ def test_a_run_does_not_begin_on_a_plan_of_the_one_before(epoch: int, start_ms: 
     assert gate.plan("plan", 5000 * MS, 1) is not None
     gate.answered(5000 * MS)
     gate.timeline.announce(epoch, start_ms * MS)
-    assert gate.state("state", start_ms * MS) is Verdict.WAITING
+    assert gate.state("state", start_ms * MS) is StateDisposition.WAITING
     assert gate.epoch == epoch
-    assert gate.plan("plan", start_ms * MS, epoch) == ("state", Verdict.NEW_EPOCH)
+    assert gate.plan("plan", start_ms * MS, epoch) == ("state", StateDisposition.NEW_EPOCH)
 
 
 @pytest.mark.parametrize(("number", "start_ns"), ANNOUNCED)

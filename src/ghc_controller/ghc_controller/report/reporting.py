@@ -1,4 +1,4 @@
-"""The account of a control step: names and copies, made on demand from what the step left."""
+"""Report of a control step: names and copies, made on demand from what the step left."""
 
 from __future__ import annotations
 

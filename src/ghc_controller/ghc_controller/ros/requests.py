@@ -70,7 +70,7 @@ class States(Protocol):
         """Whether a stamp [ns] is of a run that was announced and has not begun."""
 
 
-class RequestDesk:
+class RequestSubscriber:
     """Validates requests at the present state; those before the first state are queued."""
 
     def __init__(

@@ -19,7 +19,7 @@ from ghc_controller.ros.rejections import Rejections
 from ghc_controller.types import NANOSECONDS
 
 
-class Accounts:
+class StatusPublisher:
     """Says at `state_rate`, and at every fallback, what the controller did."""
 
     def __init__(
@@ -41,7 +41,7 @@ class Accounts:
         self._due_ns = 0
 
     def publish(self, stamp_ns: int, epoch: int, status: StepStatus) -> None:
-        """Publish the account of the last step, at `stamp_ns` [ns], if it is time."""
+        """Publish the status of the last step, at `stamp_ns` [ns], if it is time."""
         if stamp_ns < self._due_ns and status is not StepStatus.FALLBACK:
             return
         self._due_ns = stamp_ns - stamp_ns % self._period_ns + self._period_ns

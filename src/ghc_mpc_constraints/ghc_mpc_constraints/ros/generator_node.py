@@ -194,7 +194,7 @@ class GeneratorNode(ABC, Generic[P]):
         self._held_back_ns = None
         self._started = True
         self._in_force.clear()
-        if self._controller is not None:  # it would wake this node at every account
+        if self._controller is not None:  # it would wake this node at every status
             self.node.destroy_subscription(self._controller)
             self._controller = None
         self._tick_time = max(self._tick_time, time.perf_counter() - begun)

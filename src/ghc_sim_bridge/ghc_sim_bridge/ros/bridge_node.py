@@ -54,7 +54,7 @@ from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.parameters import BridgeParameters
-from ghc_sim_bridge.ros.command_desk import CommandDesk
+from ghc_sim_bridge.ros.commands import CommandSubscriber
 from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.others import (
     CLOCK,
@@ -124,7 +124,7 @@ class SimBridge:
         self._rows_saved = -1  # a run that was stopped at once leaves an empty log, not none
         self._cycle = ControlCycle(simulator, gate, self._log)
         self._stop_ns = round(p.stop_time * NANOSECONDS) if p.stop_time > 0.0 else NEVER_NS
-        self._commands = CommandDesk(self.node, self._cycle)
+        self._commands = CommandSubscriber(self.node, self._cycle)
         self._health = BridgeDiagnostics(self._commands.rejections)
         refuse_second_bridge(self.node, since)
         self._clock = SharedClock(self.node, lambda: self._cycle.time_ns)

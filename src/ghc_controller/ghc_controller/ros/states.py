@@ -26,7 +26,7 @@ from ghc_controller.ros.conversions.states import (
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.run import tolerant
-from ghc_controller.ros.synchronizer import StateGate, Verdict
+from ghc_controller.ros.synchronizer import StateDisposition, StateGate
 from ghc_controller.ros.wire.cdr import encode_tick, read_stamp
 from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.ros.wire.joint_state import JointStateDecoder, JointStateValues
@@ -36,7 +36,7 @@ from ghc_controller.types import NANOSECONDS, Array
 
 STATES, ODOMETRY = "joint_states", "odom"
 MOST_PERIODS = 20  # [-] of control between two states that follow each other, at most
-_REFUSED = (Verdict.STALE, Verdict.IMPLAUSIBLE)
+_REFUSED = (StateDisposition.STALE, StateDisposition.IMPLAUSIBLE)
 
 
 class Answers(Protocol):
@@ -52,7 +52,7 @@ class Answers(Protocol):
         """States were missed: the next one may be anywhere."""
 
 
-class StateDesk:
+class StateSubscriber:
     """Hands complete states of the run under way to whoever answers them."""
 
     def __init__(
@@ -138,12 +138,12 @@ class StateDesk:
                     f"{name}.stamp",
                     f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as {STATES} has it",
                 )
-        verdict = self._gate.state(state, state.stamp_ns)
+        disposition = self._gate.state(state, state.stamp_ns)
         if self._gate.timeline.resumed:
             self._answers.resume()
-        if verdict not in _REFUSED:
+        if disposition not in _REFUSED:
             self._announce(self._announcer.on_state(state.stamp_ns, self._gate.epoch))
-        self._handle(state, verdict)
+        self._handle(state, disposition)
 
     def _on_companion(
         self, topic: str, name: str, read: Callable[[bytes], Array], data: bytes
@@ -155,7 +155,7 @@ class StateDesk:
             return
         self._continue(self._gate.companion(name, read_stamp(data), value))
 
-    def _continue(self, complete: tuple[JointStateValues, Verdict] | None) -> None:
+    def _continue(self, complete: tuple[JointStateValues, StateDisposition] | None) -> None:
         if complete is not None:
             self._handle(*complete)
 
@@ -163,13 +163,13 @@ class StateDesk:
         if tick_ns is not None:
             self._ticks.publish(encode_tick(tick_ns, self._gate.epoch))
 
-    def _handle(self, values: JointStateValues, verdict: Verdict) -> None:
-        if verdict is Verdict.REPEATED:
+    def _handle(self, values: JointStateValues, disposition: StateDisposition) -> None:
+        if disposition is StateDisposition.REPEATED:
             self._answers.repeat()
-        elif verdict in (Verdict.NEW, Verdict.NEW_EPOCH):
-            self._answers.answer(values, verdict is Verdict.NEW_EPOCH)
-        elif verdict in _REFUSED:
-            older = "older than the last one; " if verdict is Verdict.STALE else ""
+        elif disposition in (StateDisposition.NEW, StateDisposition.NEW_EPOCH):
+            self._answers.answer(values, disposition is StateDisposition.NEW_EPOCH)
+        elif disposition in _REFUSED:
+            older = "older than the last one; " if disposition is StateDisposition.STALE else ""
             self._reject(
                 f"{STATES}.stamp",
                 f"{values.stamp_ns / NANOSECONDS:.6f} s given, "

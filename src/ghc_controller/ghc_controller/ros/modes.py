@@ -22,7 +22,7 @@ from ghc_controller.safety.modes import Arming, Mode, ModeLogic
 FALLBACK_TIME = 0.1  # [s] without a solution that is a fault
 
 
-class ModeDesk:
+class ModeServer:
     """Runs the logic of modes: what the controller is told, what is said about it."""
 
     def __init__(

@@ -22,7 +22,7 @@ class Loss(NamedTuple):
     given_up: bool  # the other one has a larger error at a level above
 
 
-class Verdict(NamedTuple):
+class Assessment(NamedTuple):
     """How the reference compares with one method in one case."""
 
     losses: tuple[Loss, ...]
@@ -39,8 +39,8 @@ class Verdict(NamedTuple):
 Results = Mapping[str, Any]  # of one method in one case
 
 
-def judge(case: Case, reference: Results, other: Results) -> Verdict | None:
-    """Verdict of a case; None where one of them rejects it, or where the other one stops.
+def judge(case: Case, reference: Results, other: Results) -> Assessment | None:
+    """Assessment of a case; None where one of them rejects it, or where the other one stops.
 
     Errors are compared within a phase from the first level on: `end` or `mean`, as the case says.
     """
@@ -52,7 +52,7 @@ def judge(case: Case, reference: Results, other: Results) -> Verdict | None:
     ):
         return None
     losses = tuple(_losses(case.figure, reference["phases"], other["phases"]))
-    return Verdict(
+    return Assessment(
         losses,
         reference["qps"] > other["qps"] + _QPS,
         reference["qps"],

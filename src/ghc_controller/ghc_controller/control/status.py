@@ -19,8 +19,8 @@ from ghc_controller.safety.gate import OutputGate
 from ghc_controller.tasks.stack import TaskStack
 
 
-class Account:
-    """The part of `Controller` that gives account."""
+class StatusReports:
+    """The part of `Controller` that reports its status."""
 
     formulation: Formulation
     stack: TaskStack
@@ -35,7 +35,7 @@ class Account:
     _limits: Limits | None
 
     def report(self) -> Report:
-        """Account of the last step; call it before the next one.
+        """Status of the last step; call it before the next one.
 
         Raises:
             RuntimeError: no step was made yet.

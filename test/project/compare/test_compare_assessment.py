@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from benchmarks.compare.cases import CASES
+from benchmarks.compare.pages.assessment import LEAST, RATIO, judge
 from benchmarks.compare.pages.first_screen import first_screen, given_up
 from benchmarks.compare.pages.overview import deciding_ratio
-from benchmarks.compare.pages.verdict import LEAST, RATIO, judge
 
 CASE = CASES["priority_switching"]
 
@@ -24,20 +24,20 @@ def result(*errors: float, qps: float = 0.0, **others: Any) -> dict[str, Any]:
 def test_equal_errors_are_no_loss_and_larger_ones_are_named() -> None:
     reference = result(1e-3, 0.2)
     within = result((1e-3 - 0.5 * LEAST) / RATIO, 0.2)
-    verdict = judge(CASE, reference, within)
-    assert verdict is not None and verdict.losses == ()
-    verdict = judge(CASE, reference, result(5e-4, 0.2))
-    assert verdict is not None
-    assert [(loss.level, loss.task, loss.given_up) for loss in verdict.plain] == [
+    assessment = judge(CASE, reference, within)
+    assert assessment is not None and assessment.losses == ()
+    assessment = judge(CASE, reference, result(5e-4, 0.2))
+    assert assessment is not None
+    assert [(loss.level, loss.task, loss.given_up) for loss in assessment.plain] == [
         (1, "task_1", False)
     ]
 
 
 def test_a_level_below_one_that_the_other_lost_is_set_apart() -> None:
-    verdict = judge(CASE, result(0.0, 0.2, 0.5), result(0.1, 0.1, 0.5))
-    assert verdict is not None
-    assert verdict.plain == ()
-    assert [loss.level for loss in verdict.losses] == [2]
+    assessment = judge(CASE, result(0.0, 0.2, 0.5), result(0.1, 0.1, 0.5))
+    assert assessment is not None
+    assert assessment.plain == ()
+    assert [loss.level for loss in assessment.losses] == [2]
 
 
 def test_two_tasks_of_one_level_do_not_excuse_each_other() -> None:
@@ -45,9 +45,9 @@ def test_two_tasks_of_one_level_do_not_excuse_each_other() -> None:
     for each in (reference, other):
         for task in each["phases"][0]["tasks"]:
             task["level"] = 1
-    verdict = judge(CASE, reference, other)
-    assert verdict is not None
-    assert len(verdict.plain) == 1
+    assessment = judge(CASE, reference, other)
+    assert assessment is not None
+    assert len(assessment.plain) == 1
 
 
 def test_rejected_and_stopped_runs_and_compromises_are_not_compared() -> None:

@@ -13,7 +13,7 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 
 
 @dataclass(frozen=True, slots=True)
-class RunVerdict:
+class RunStatus:
     """What became of one run."""
 
     scenario: str
@@ -37,14 +37,14 @@ class Total:
     fallen_seeds: tuple[int, ...]
 
 
-def judge(verdict: RunVerdict, log: FullRateLog, nominal_height: float) -> RunVerdict:
-    """Fill in a verdict; a robot that is up at the end has not fallen before: it cannot rise."""
+def judge(status: RunStatus, log: FullRateLog, nominal_height: float) -> RunStatus:
+    """Fill in a status; a robot that is up at the end has not fallen before: it cannot rise."""
     if log.base_pose is None or len(log.time) == 0:
-        return replace(verdict, problem="no base in the log")
+        return replace(status, problem="no base in the log")
     height = float(log.base_pose[-1, 2])
     tilt = float(base_tilt(log.base_pose[-1:])[0])
     return replace(
-        verdict,
+        status,
         stays_up=NOT_FALLEN.holds(height, tilt, nominal_height),
         height=height,
         tilt=math.radians(tilt),
@@ -52,14 +52,14 @@ def judge(verdict: RunVerdict, log: FullRateLog, nominal_height: float) -> RunVe
     )
 
 
-def tally(verdicts: Sequence[RunVerdict]) -> tuple[Total, ...]:
+def tally(runs_done: Sequence[RunStatus]) -> tuple[Total, ...]:
     """Totals in the order in which scenarios came, without generators first."""
-    order = list(dict.fromkeys(verdict.scenario for verdict in verdicts))
+    order = list(dict.fromkeys(status.scenario for status in runs_done))
     totals = []
     for scenario in order:
         for generators in (False, True):
-            runs = [v for v in verdicts if (v.scenario, v.generators) == (scenario, generators)]
-            fallen = tuple(verdict.seed for verdict in runs if not verdict.stays_up)
+            runs = [v for v in runs_done if (v.scenario, v.generators) == (scenario, generators)]
+            fallen = tuple(status.seed for status in runs if not status.stays_up)
             totals.append(Total(scenario, generators, len(runs), len(runs) - len(fallen), fallen))
     return tuple(totals)
 

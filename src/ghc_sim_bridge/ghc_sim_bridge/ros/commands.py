@@ -29,7 +29,7 @@ from ghc_sim_bridge.ros.others import publishers_of
 TOPIC = "joint_commands"
 
 
-class CommandDesk:
+class CommandSubscriber:
     """Hands commands to the run mode, and says why one was not used."""
 
     def __init__(self, node: Node, cycle: ControlCycle) -> None:
