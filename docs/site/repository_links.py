@@ -18,6 +18,7 @@ from urllib.parse import quote
 from docutils import nodes
 from markdown_it import MarkdownIt
 from mdit_py_plugins.anchors import anchors_plugin
+from pygments.lexers.special import TextLexer
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -68,7 +69,7 @@ class Pages:
         if path.suffix == ".md":
             return self._markdown(name, path, text)
         language = _LANGUAGES.get(path.suffix, "text")
-        return heading + str(self._builder.highlighter.highlight_block(text, language))
+        return heading + self._block(text, language)
 
     def _listing(self, name: str, folder: Path) -> str:
         entries = [p for p in sorted(folder.iterdir()) if not _NOT_SHOWN.search(p.name)]
@@ -98,7 +99,8 @@ class Pages:
         ).replace("</table>", "</table></div>")
 
     def _block(self, text: str, language: str) -> str:
-        return str(self._builder.highlighter.highlight_block(text, language))
+        # Forced: a file that a lexer does not like is shown all the same.
+        return str(self._builder.highlighter.highlight_block(text, language, force=True))
 
     def _moved(self, name: str, path: Path, link: str) -> str:
         """A link of a Markdown file outside docs/, from where the site shows that file."""
@@ -150,6 +152,7 @@ def resolve_links(app: Any, doctree: Any, docname: str) -> None:
 
 def setup(app: Any) -> dict[str, bool]:
     """Connect with Sphinx."""
+    app.add_lexer("csv", TextLexer)  # Pygments has none of this name
     app.connect("builder-inited", _start)
     app.connect("source-read", mark_links)
     app.connect("doctree-resolved", resolve_links)
