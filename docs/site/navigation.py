@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 NAVIGATION: dict[str, list[str]] = {
-    "Start": ["first_steps", "robots", "troubleshooting", "glossary"],
+    "Start": ["first_steps", "running", "display", "robots", "troubleshooting", "glossary"],
     "Tutorials": [
         "tutorials/arm",
         "tutorials/priorities",
