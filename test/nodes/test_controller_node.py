@@ -71,15 +71,18 @@ class Robot:
         listen(PriorityMatrix, "ghc/priority_matrix", self.matrices.append, LATCHED_QOS)
 
     def until(
-        self, condition: Callable[[], bool], again: Callable[[], None] | None = None
+        self,
+        condition: Callable[[], bool],
+        again: Callable[[], None] | None = None,
+        every: float = 0.1,
     ) -> None:
-        """Spin until `condition`, doing `again` every 0.1 s; fail after the deadline."""
+        """Spin until `condition`, doing `again` now and `every` so many seconds, or fail."""
         deadline, due = time.monotonic() + DEADLINE, 0.0
         while not condition():
             assert time.monotonic() < deadline, "nothing came"
             if again is not None and time.monotonic() > due:
                 again()
-                due = time.monotonic() + 0.1
+                due = time.monotonic() + every
             self._executor.spin_once(timeout_sec=0.02)
 
     def publish(self, **changes: Any) -> None:
@@ -125,10 +128,16 @@ class Robot:
         return self.answer(**changes)
 
     def ask(self, **fields: Any) -> list[TransitionStatus]:
-        """Send a transition; the statuses that came back for it first."""
-        count = len(self.statuses)
-        self._transitions.publish(PriorityTransition(**fields))
-        self.until(lambda: len(self.statuses) > count)
+        """Send a transition; the statuses that came back for it first.
+
+        It is sent again while nothing comes: a controller may not have heard of its sender yet.
+        """
+        count, request = len(self.statuses), PriorityTransition(**fields)
+        self.until(
+            lambda: len(self.statuses) > count,
+            lambda: self._transitions.publish(request),
+            every=3.0,
+        )
         return self.statuses[count:]
 
     def refer(self, message: TaskReference) -> None:

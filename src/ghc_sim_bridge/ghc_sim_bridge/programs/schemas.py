@@ -74,7 +74,8 @@ def write(folder: Path) -> tuple[Path, ...]:
     paths = []
     for name, schema in schemas().items():
         path = folder / name
-        path.write_text(json.dumps(schema, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        text = json.dumps(schema, indent=1, ensure_ascii=False, allow_nan=False)
+        path.write_text(text + "\n", encoding="utf-8")
         paths.append(path)
     return tuple(paths)
 
