@@ -8,7 +8,13 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from ghc_msgs.msg import ContactForceBounds, ContactSchedule, ObstacleState, ObstacleStateArray
+from ghc_msgs.msg import (
+    ContactForceBounds,
+    ContactSchedule,
+    ObstacleState,
+    ObstacleStateArray,
+    Tick,
+)
 from std_msgs.msg import Header
 
 from benchmarks.faults.process_rows import freeze, kill_and_restart
@@ -47,7 +53,6 @@ def planned(session: Session, **fields: Any) -> ObstacleStateArray:
     """What a second generator of obstacle motion would say."""
     now = now_of(session)
     message = measured(session, 1, **{"jerk": [0.0] * 3, **fields})
-    message.header.frame_id = "0"
     message.step = 0.01
     message.valid_until = time_from_seconds(now + 1.5)
     return message
@@ -57,7 +62,7 @@ def bounds(session: Session, lower: float, upper: float, on: bool) -> ContactFor
     """What a second generator of force bounds would say of the tool."""
     now = now_of(session)
     message = ContactForceBounds(step=0.01, points=151, interpolate=True, contacts=["tool"])
-    message.header = Header(stamp=time_from_seconds(now), frame_id="0")
+    message.header = Header(stamp=time_from_seconds(now))
     message.valid_until = time_from_seconds(now + 1.5)
     message.lower, message.upper = [lower] * 151, [upper] * 151
     message.in_contact, message.conflict, message.status = [on], [False], [1]
@@ -99,9 +104,9 @@ def schedules(make: Callable[[int], ContactSchedule], session: Session, _: Any) 
     session.node.destroy_publisher(publisher)
 
 
-def tick(stamp: Time, frame_id: str, session: Session, _: np.random.Generator) -> None:
+def tick(start: Time, epoch: int, session: Session, _: np.random.Generator) -> None:
     """One forged tick."""
-    session.ticks.publish(Header(stamp=stamp, frame_id=frame_id))
+    session.ticks.publish(Tick(start=start, epoch=epoch))
 
 
 def _schedule(k: int, **fields: Any) -> ContactSchedule:
@@ -127,9 +132,9 @@ _ROWS: dict[str, Any] = {
     },
     "controller kill -9 with generators": partial(kill_and_restart, "controller"),
     "ONE obstacles, empty, stamp 2^31-1 s": sensor(lambda s: _stamped(measured(s, 0), FOREVER), 1),
-    "ghc/tick stamp 1e6 s": partial(tick, Time(sec=10**6), "0"),
-    "ghc/tick stamp 2^31-1 s": partial(tick, Time(sec=FOREVER, nanosec=999_999_999), "0"),
-    "ghc/tick epoch 999999": partial(tick, Time(), "999999"),
+    "ghc/tick stamp 1e6 s": partial(tick, Time(sec=10**6), 0),
+    "ghc/tick stamp 2^31-1 s": partial(tick, Time(sec=FOREVER, nanosec=999_999_999), 0),
+    "ghc/tick epoch 999999": partial(tick, Time(), 999_999),
     "100 obstacles": sensor(lambda s: measured(s, 100), 10),
     "1e4 obstacles": sensor(lambda s: measured(s, 10_000), 1),
     "obstacle flickers": sensor(lambda s: measured(s, int(10.0 * now_of(s)) % 2)),

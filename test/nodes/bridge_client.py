@@ -12,14 +12,20 @@ import numpy as np
 import pinocchio as pin
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from ghc_msgs.msg import Epoch
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from ghc_controller.robot.library import find_robot
-from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS
+from ghc_controller.ros.qos import (
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    LATCHED_QOS,
+)
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
+from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
 
 ROBOT = "kuka_lwr"
 DEADLINE = 90.0  # [s] wall
@@ -59,6 +65,7 @@ class BridgeClient:
     def __init__(self, context: rclpy.Context) -> None:
         self.node = Node("client", context=context)
         self.states: list[JointState] = []
+        self.epochs: list[Epoch] = []
         self.diagnostics: dict[str, str] = {}
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
@@ -68,6 +75,7 @@ class BridgeClient:
         self.node.create_subscription(
             JointState, "joint_states", self.states.append, CONTROL_SUBSCRIBER_QOS
         )
+        self.node.create_subscription(Epoch, EPOCH_TOPIC, self.epochs.append, LATCHED_QOS)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:

@@ -7,9 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ghc_msgs.msg import ContactForceBounds, ControllerState, ObstacleState, ObstacleStateArray
+from ghc_msgs.msg import (
+    ContactForceBounds,
+    ContactState,
+    ControllerState,
+    ObstacleState,
+    ObstacleStateArray,
+    Tick,
+)
 from rclpy.serialization import deserialize_message, serialize_message
-from sensor_msgs.msg import JointState
 
 from ghc_controller.contacts import ForceBoundsPlan
 from ghc_controller.errors import GhcError, InvalidValue
@@ -18,7 +24,9 @@ from ghc_controller.ros.conversions.previews import (
     force_bounds_from_message,
     obstacle_motion_from_message,
 )
-from ghc_controller.ros.time import time_from_seconds
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
+from ghc_controller.ros.wire.cdr import decode_tick, encode_tick
+from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds as Generator
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
 from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
@@ -27,7 +35,6 @@ from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, 
 from ghc_mpc_constraints.ros.conversions import (
     bounds_in_force,
     force_bounds_message,
-    header_of,
     measurement_from_message,
     measurement_message,
     motion_in_force,
@@ -37,14 +44,14 @@ from ghc_mpc_constraints.ros.conversions import (
 )
 
 
-@pytest.mark.parametrize("frame", ["", "0", "17", "a longer name than most"])
-def test_header_of_serialized_bytes(frame: str) -> None:
-    message = JointState(name=["a"], position=[1.0])
-    message.header.stamp.sec, message.header.stamp.nanosec = 12, 345_000_006
-    message.header.frame_id = frame
-    assert header_of(serialize_message(message)) == (12_345_000_006, frame)
-    with pytest.raises(InvalidValue, match="no message with a header"):
-        header_of(b"\x00\x01\x00")
+@pytest.mark.parametrize(("seconds", "epoch"), [(0, 0), (12, 1), (2**31 - 1, 2**64 - 1)])
+def test_a_tick_survives_the_wire(seconds: int, epoch: int) -> None:
+    start_ns = seconds * NANOSECONDS + 345_000_006
+    message = deserialize_message(encode_tick(start_ns, epoch), Tick)
+    assert (nanoseconds_from_time(message.start), message.epoch) == (start_ns, epoch)
+    assert decode_tick(bytes(serialize_message(message))) == (start_ns, epoch)
+    with pytest.raises(ValueError, match="no Tick"):
+        decode_tick(b"\x00\x01\x00")
 
 
 def test_schedule_round_trip_and_times_from_receipt() -> None:
@@ -68,7 +75,7 @@ def test_force_bounds_round_trip() -> None:
         )
     plan = generator.tick(0.02)
     message = force_bounds_message(plan, 20_000_000, 3)
-    assert message.header.frame_id == "3"
+    assert (message.epoch, message.header.frame_id) == (3, "")
     data = serialize_message(message)
     again = force_bounds_from_message(deserialize_message(data, ContactForceBounds))
     assert again.start == plan.start
@@ -204,9 +211,12 @@ def test_a_malformed_obstacle_is_refused(fields: dict[str, Any], words: str) -> 
 
 
 def test_bounds_in_force_of_the_controller() -> None:
-    message = ControllerState(
-        bounded_contacts=["left", "right"], contact_lower=[0.0, 1.0], contact_upper=[5.0, 6.0]
-    )
+    message = ControllerState()
+    message.contacts = [
+        ContactState(name="left", planned=True, lower=0.0, upper=5.0),
+        ContactState(name="hand", on=True, force=3.0),
+        ContactState(name="right", planned=True, lower=1.0, upper=6.0),
+    ]
     entry = ObstacleState(id="box")
     entry.position[:] = [1.0, 2.0, 3.0]
     entry.acceleration[:] = [4.0, 5.0, 6.0]
@@ -218,9 +228,8 @@ def test_bounds_in_force_of_the_controller() -> None:
 
 
 def _state(stamp: float, lower: float, upper: float) -> bytes:
-    message = ControllerState(
-        bounded_contacts=["foot"], contact_lower=[lower], contact_upper=[upper]
-    )
+    message = ControllerState()
+    message.contacts = [ContactState(name="foot", planned=True, lower=lower, upper=upper)]
     message.header.stamp = time_from_seconds(stamp)
     return serialize_message(message)
 

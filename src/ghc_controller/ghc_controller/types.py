@@ -32,7 +32,7 @@ class RobotState:
     torque: Array | None = None  # (a,) [Nm] torque applied over the last control period
     wrenches: Mapping[str, Array] = field(default_factory=lambda: _NO_WRENCHES)
     # name -> (6,) force [N], torque [Nm] of the surroundings on the robot, world axes
-    epoch: int = 0  # counts resets: time runs backwards only when it changes
+    epoch: int = 0  # counts resets; in a simulator alone, time is 0 again after each
 
 
 @dataclass(frozen=True, slots=True)

@@ -119,7 +119,7 @@ def test_a_torque_rate_goes_with_every_transition_and_into_the_name_of_the_folde
         plan = make_plan(own, options, tmp_path)
         assert (plan.torque_rate, plan.folder.name) == (rate, folder)
         # The priorities at the start come at once: there is no ramp that could keep it.
-        sent = [transition_message(item).torque_rate for item in scripted_transitions(plan)]
+        sent = [transition_message(item, 0.0).torque_rate for item in scripted_transitions(plan)]
         assert sent == [0.0, rate, rate]
     assert load_scenario(write(tmp_path)).torque_rate == 0.0
 

@@ -4,7 +4,7 @@ Publishes  joint_commands (stamp = the state answered, effort [Nm] by joint name
            ghc/transition_status, ghc/priority_matrix (latched), ghc/controller_state,
            ghc/tick (start and epoch of the generators' next tick), /diagnostics, and with
            mirror_commands /effort_controller/commands (ros2_control).
-Subscribes joint_states (frame_id = epoch, effort = torque applied over the last period),
+Subscribes joint_states (effort = torque applied over the last period), sim_bridge/epoch (latched),
            ghc/priority_transition, ghc/task_reference, constraints/contact_force_bounds,
            constraints/obstacle_motion, contacts/<name> where it has to wait for them, odom for a
            floating base.
@@ -97,15 +97,14 @@ class ControllerNode:
             self._controller,
             self._modes.logic,
             p.lockstep,
-            self._states.forget,
+            self._states,
             self._reject,
         )
         self._accounts = Accounts(self.node, self._controller, self._rejections, p.state_rate)
         self._now: float | None = None  # [s] of the last state
         self._answered_at = 0.0  # [s] wall
-        self._sender = f"{self.node.get_name()}.{uuid4().hex[:8]}"  # tells commanders apart
-        self._epoch = ""  # as the states have it
-        self._encoder = self._make_encoder("")
+        sender = f"{self.node.get_name()}_{uuid4().hex[:8]}"  # tells commanders apart
+        self._encoder = JointStateEncoder(self._controller.model.joint_names, sender, motion=False)
         self._command = b""  # serialized, of the last answered state
         self._publish_and_listen()
         self.node.get_logger().info(
@@ -138,10 +137,6 @@ class ControllerNode:
             node.create_timer(IDLE_PERIOD, self._on_idle, clock=wall)
             # The thread of the requests gives way to a state within this time.
             sys.setswitchinterval(SWITCH_INTERVAL)
-
-    def _make_encoder(self, epoch: str) -> JointStateEncoder:
-        names = self._controller.model.joint_names
-        return JointStateEncoder(names, f"{epoch}@{self._sender}", motion=False)
 
     def repeat(self) -> None:
         """Send the command again: its state came again."""
@@ -177,6 +172,8 @@ class ControllerNode:
         self._now = state.time
         self._answered_at = time.monotonic()
         self._requests.at(state.time)
+        if new_epoch:
+            self._requests.begin_run()
         if self._modes.mode is Mode.LATCHED:
             self._send(values, controller.brake(state))
             self._requests.tell(controller.take_events())  # what the fault has ended
@@ -196,9 +193,6 @@ class ControllerNode:
     def _send(self, values: JointStateValues, torque: Array) -> None:
         """Answer a state with a torque (a,) [Nm]."""
         stamp_ns = values.stamp_ns
-        if values.frame_id != self._epoch:
-            self._epoch = values.frame_id
-            self._encoder = self._make_encoder(self._epoch)
         self._command = self._encoder.encode(stamp_ns, torque)
         self._commands.publish(self._command)
         self._states.answered(stamp_ns)

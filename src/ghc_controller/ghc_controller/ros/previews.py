@@ -18,8 +18,6 @@ from ghc_controller.ros.conversions.previews import (
     obstacle_motion_from_message,
 )
 from ghc_controller.ros.time import nanoseconds_from_time
-from ghc_controller.ros.wire.epoch import epoch_number
-from ghc_controller.schema.value_checks import shown
 from ghc_controller.types import NANOSECONDS
 
 FORCE_BOUNDS, OBSTACLE_MOTION = "contact_force_bounds", "obstacle_motion"
@@ -59,13 +57,7 @@ class PlanInbox:
 
     def take(self, name: str, message: Message) -> None:
         """Keep a message for the next state."""
-        topic, epoch = f"constraints/{name}", message.header.frame_id
-        number, start_ns = epoch_number(epoch), nanoseconds_from_time(message.header.stamp)
-        if number is None:
-            self._reject(
-                f"{topic}.frame_id", f"{shown(epoch)} given, an epoch such as '0' expected"
-            )
-            return
+        number, start_ns = message.epoch, nanoseconds_from_time(message.header.stamp)
         # Generators plan ahead: one plan may wait for its start and the next for a new epoch.
         self._waiting[name] = [*self._waiting[name][1 - _WAITING :], (number, start_ns, message)]
         self._received(name, start_ns, number)

@@ -1,7 +1,8 @@
 """The part of the controller node that takes states: paired, believed or refused with a reason.
 
 Publishes  ghc/tick (start and epoch of the generators' next tick).
-Subscribes joint_states, contacts/<name> where it has to wait for them, odom for a floating base.
+Subscribes joint_states, contacts/<name> where it has to wait for them, odom for a floating base,
+           sim_bridge/epoch.
 """
 
 from __future__ import annotations
@@ -11,10 +12,10 @@ from functools import partial
 from typing import Any, Protocol
 
 from geometry_msgs.msg import WrenchStamped
+from ghc_msgs.msg import Tick
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.conversions.states import (
@@ -26,7 +27,8 @@ from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.run import tolerant
 from ghc_controller.ros.synchronizer import StateGate, Verdict
-from ghc_controller.ros.wire.cdr import encode_header, read_stamp
+from ghc_controller.ros.wire.cdr import encode_tick, read_stamp
+from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.ros.wire.joint_state import JointStateDecoder, JointStateValues
 from ghc_controller.ros.wire.ticks import TickAnnouncer
 from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Timeline
@@ -34,7 +36,7 @@ from ghc_controller.types import NANOSECONDS, Array
 
 STATES, ODOMETRY = "joint_states", "odom"
 MOST_PERIODS = 20  # [-] of control between two states that follow each other, at most
-_REFUSED = (Verdict.STALE, Verdict.MALFORMED, Verdict.IMPLAUSIBLE)
+_REFUSED = (Verdict.STALE, Verdict.IMPLAUSIBLE)
 
 
 class Answers(Protocol):
@@ -75,7 +77,8 @@ class StateDesk:
         )
         self._announcer = TickAnnouncer(period_ns, tick_ns)
         self._decoder = JointStateDecoder(read_joint_state)
-        self._ticks = node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        self._ticks = node.create_publisher(Tick, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        listen_to_epochs(node, self._gate.timeline, reject)
         self._subscribe(node, JointState, STATES, self._on_state)
         for name in contacts:
             on_wrench = partial(self._on_companion, f"contacts/{name}", name, wrench_from_bytes)
@@ -94,6 +97,14 @@ class StateDesk:
     def epoch(self) -> int:
         """Of the run under way."""
         return self._gate.epoch
+
+    def is_stale(self, stamp_ns: int) -> bool:
+        """Whether a stamp [ns] is of a run that has ended."""
+        return self._gate.timeline.is_stale(stamp_ns)
+
+    def is_of_next_run(self, stamp_ns: int) -> bool:
+        """Whether a stamp [ns] is of a run that was announced and has not begun."""
+        return self._gate.timeline.is_of_next_run(stamp_ns)
 
     def companions(self) -> tuple[Mapping[str, Array], Array | None]:
         """Wrenches by contact name, and the base, that belong to the state under way."""
@@ -127,7 +138,7 @@ class StateDesk:
                     f"{name}.stamp",
                     f"none of stamp {overdue_ns / NANOSECONDS:.6f} s came, as {STATES} has it",
                 )
-        verdict = self._gate.state(state, state.stamp_ns, state.frame_id)
+        verdict = self._gate.state(state, state.stamp_ns)
         if self._gate.timeline.resumed:
             self._answers.resume()
         if verdict not in _REFUSED:
@@ -150,22 +161,17 @@ class StateDesk:
 
     def _announce(self, tick_ns: int | None) -> None:
         if tick_ns is not None:
-            self._ticks.publish(encode_header(tick_ns, str(self._gate.epoch)))
+            self._ticks.publish(encode_tick(tick_ns, self._gate.epoch))
 
     def _handle(self, values: JointStateValues, verdict: Verdict) -> None:
         if verdict is Verdict.REPEATED:
             self._answers.repeat()
         elif verdict in (Verdict.NEW, Verdict.NEW_EPOCH):
             self._answers.answer(values, verdict is Verdict.NEW_EPOCH)
-        elif verdict is Verdict.MALFORMED:
-            self._reject(
-                f"{STATES}.frame_id",
-                f"'{values.frame_id}' given, an epoch such as '0' (or nothing) expected",
-            )
         elif verdict in _REFUSED:
             older = "older than the last one; " if verdict is Verdict.STALE else ""
             self._reject(
                 f"{STATES}.stamp",
-                f"{values.stamp_ns / NANOSECONDS:.6f} s of epoch {values.frame_id or '0'} given, "
+                f"{values.stamp_ns / NANOSECONDS:.6f} s given, "
                 f"{older}{self._gate.timeline.expected()}",
             )

@@ -46,7 +46,7 @@ class Accounts:
             return
         self._due_ns = stamp_ns - stamp_ns % self._period_ns + self._period_ns
         if self._state.get_subscription_count():
-            self._publish_state()
+            self._publish_state(epoch)
         priorities = self._controller.priorities
         shares = tuple(candidate.share for candidate in priorities.in_force.candidates)
         shown = (priorities.alpha.tobytes(), shares, priorities.in_transition, epoch)
@@ -54,13 +54,15 @@ class Accounts:
             self._shown_matrix = shown
             self._matrix.publish(matrix_message(priorities, stamp_ns / NANOSECONDS))
 
-    def _publish_state(self) -> None:
+    def _publish_state(self, epoch: int) -> None:
         controller = self._controller
         report = controller.report()
         rejected = dict(self._rejections.counts)  # the thread of the requests counts as well
         report.counts.update({f"rejected_{k}": n for k, n in rejected.items()})
         message = controller_state_message(
             report,
+            controller.priorities,
+            epoch,
             controller.formulation.name,
             controller.formulation.solver.name,
             controller.model.joint_names,

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Generic, TypeVar
 
-from ghc_controller.ros.wire.epoch import epoch_number
 from ghc_controller.ros.wire.timeline import Place, Timeline
 from ghc_controller.types import Array
 
@@ -21,7 +20,6 @@ class Verdict(Enum):
     REPEATED = "repeated"  # answered before: the same command again
     STALE = "stale"  # older than the last answered one
     WAITING = "waiting"  # something that belongs to it is still to come
-    MALFORMED = "malformed"  # the epoch is no number
     IMPLAUSIBLE = "implausible"  # far from the run under way, see Timeline
 
 
@@ -50,7 +48,11 @@ class StateGate(Generic[M]):
         self._answered_ns = -1
         self._repeatable = False
         self._begins = False  # a run has begun, and none of its states was answered yet
-        self.epoch = 0
+
+    @property
+    def epoch(self) -> int:
+        """Number of the run under way."""
+        return self.timeline.epoch
 
     @property
     def values(self) -> dict[str, Array]:
@@ -68,18 +70,14 @@ class StateGate(Generic[M]):
         """Stamp [ns] of the state that waits, if any."""
         return None if self._waiting is None else self._waiting[1]
 
-    def state(self, message: M, stamp_ns: int, epoch: str) -> Verdict:
-        """Judge a state message by its stamp and epoch (`frame_id`; "" is epoch 0)."""
-        number = epoch_number(epoch)
-        if number is None:
-            return Verdict.MALFORMED
-        place = self.timeline.judge(stamp_ns, number)
+    def state(self, message: M, stamp_ns: int) -> Verdict:
+        """Judge a state message by its stamp."""
+        place = self.timeline.judge(stamp_ns)
         if place is Place.OLDER:
             return Verdict.STALE
         if place is Place.ELSEWHERE:
             return Verdict.IMPLAUSIBLE
         if place is Place.RESTARTED:
-            self.epoch = number
             self._repeatable, self._begins = False, True
             self._plans = dict.fromkeys(self._plans, (-1, -1))
         if stamp_ns == self._answered_ns and self._repeatable:

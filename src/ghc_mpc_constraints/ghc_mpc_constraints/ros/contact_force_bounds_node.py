@@ -1,6 +1,6 @@
 """Contact force bounds behind ROS topics: schedules in, a plan of moving bounds out each tick.
 
-Publishes  constraints/contact_force_bounds (stamp = the tick, frame_id = its epoch),
+Publishes  constraints/contact_force_bounds (stamp and epoch of the tick),
            /diagnostics.
 Subscribes ghc/tick (when to plan), constraints/contact_schedule (latched, one message
            a contact), ghc/controller_state (bounds in force, before the first plan).
@@ -18,9 +18,10 @@ from ghc_msgs.msg import ContactForceBounds as ContactForceBoundsMessage
 from ghc_msgs.msg import ContactSchedule
 from rclpy.task import Future
 
-from ghc_controller.errors import GhcError
+from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.ros.qos import PLAN_QOS, SCHEDULE_QOS
 from ghc_controller.ros.run import run_node
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds
 from ghc_mpc_constraints.ros.conversions import (
@@ -31,7 +32,7 @@ from ghc_mpc_constraints.ros.conversions import (
 from ghc_mpc_constraints.ros.generator_node import GeneratorNode
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters
 from ghc_mpc_constraints.ros.schedule_history import ScheduleHistory
-from ghc_mpc_constraints.ros.schedule_inbox import MOST_KEPT, ScheduleInbox
+from ghc_mpc_constraints.ros.schedule_inbox import ScheduleInbox
 
 NODE_NAME = "contact_force_bounds"
 
@@ -79,15 +80,11 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         self._plans.publish(self._message)
 
     def reset(self) -> None:
-        """Forget plans: time starts again, and with it the schedules that came."""
+        """Forget plans and schedules: those of the new run carry its stamps."""
         self._generator.reset()
         self._history.forget()
-        self._inbox.restart()
-        if self._inbox.not_kept:
-            self.node.get_logger().warning(
-                f"{self._inbox.not_kept} schedules are not known again: more than {MOST_KEPT} "
-                "came for a contact"
-            )
+        self._inbox.forget()
+        self._scheduled.clear()
 
     def take_over(self, states: Sequence[bytes], start_ns: int) -> bool:
         """Start from the bounds in force; False while schedules of theirs may still come."""
@@ -112,9 +109,17 @@ class ContactForceBoundsNode(GeneratorNode[ForceBoundParameters]):
         self.after_first_tick(partial(self._take_schedule, message))
 
     def _take_schedule(self, message: ContactSchedule) -> None:
+        stamp_ns, timeline = nanoseconds_from_time(message.header.stamp), self.clock.timeline
+        if self.waits_for_next_run(stamp_ns, partial(self._take_schedule, message)):
+            return
         now = self.clock.now_ns / NANOSECONDS
-        running = self.clock.tick_ns > 0
+        running = self.clock.tick_ns > (timeline.start_ns or 0)
         try:
+            if stamp_ns and timeline.is_stale(stamp_ns):
+                raise InvalidValue(
+                    f"schedule of contact '{message.contact}': stamp {stamp_ns / NANOSECONDS:g} s "
+                    "given, which is of a run that has ended"
+                )
             timed = schedule_from_message(message, self.parameters.contacts, now)
             known = self._inbox.put(timed, now, running)
             self._accepted += 1

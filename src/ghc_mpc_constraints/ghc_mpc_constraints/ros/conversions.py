@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,7 +15,6 @@ from ghc_msgs.msg import (
 from rclpy.serialization import deserialize_message
 
 from ghc_controller.contacts import ForceBoundsPlan
-from ghc_controller.errors import InvalidValue
 from ghc_controller.previews.motion_plan import MotionPlan, state_at
 from ghc_controller.ros.conversions.common import doubles
 from ghc_controller.ros.conversions.previews import motion_state
@@ -27,21 +25,6 @@ from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.ros.schedule_inbox import TimedSchedule
 
 LONGEST_GUESS = 0.1  # [s] over which motion in force is continued beyond what was heard
-
-
-def header_of(data: bytes) -> tuple[int, str]:
-    """Stamp [ns] and frame_id of a serialized message that begins with a header.
-
-    Raises:
-        InvalidValue: too short to be one.
-    """
-    try:
-        order = "<" if data[1] & 1 else ">"
-        seconds, nanoseconds, length = struct.unpack_from(order + "iII", data, 4)
-        frame = bytes(data[16 : 16 + max(length - 1, 0)]).decode()
-    except (IndexError, UnicodeDecodeError, struct.error) as error:
-        raise InvalidValue(f"no message with a header: {error}") from error
-    return seconds * NANOSECONDS + nanoseconds, frame
 
 
 def schedule_from_message(
@@ -78,7 +61,7 @@ def force_bounds_message(plan: ForceBoundsPlan, start_ns: int, epoch: int) -> Co
     steps = plan.lower.shape[1] - 1
     message = ContactForceBounds(step=plan.step, points=steps + 1, interpolate=plan.smoothed)
     message.header.stamp = time_from_nanoseconds(start_ns)
-    message.header.frame_id = str(epoch)
+    message.epoch = epoch
     message.valid_until = time_from_nanoseconds(start_ns + round(steps * plan.step * NANOSECONDS))
     message.contacts = list(plan.contacts)
     message.lower = doubles(plan.lower)
@@ -115,7 +98,7 @@ def obstacle_motion_message(plan: MotionPlan, start_ns: int, epoch: int) -> Obst
     """Message of a plan that starts at a tick [ns]."""
     message = ObstacleStateArray(step=plan.step)
     message.header.stamp = time_from_nanoseconds(start_ns)
-    message.header.frame_id = str(epoch)
+    message.epoch = epoch
     end = start_ns + round(plan.steps * plan.step * NANOSECONDS)
     message.valid_until = time_from_nanoseconds(end)
     for planned in plan.obstacles:
@@ -161,10 +144,10 @@ def motion_in_force(data: bytes, time: float) -> dict[str, Array]:
 def _stamped_bounds(data: bytes) -> tuple[float, dict[str, Array]]:
     """Stamp [s], and contact -> (lower, upper) [N]."""
     message: ControllerState = deserialize_message(data, ControllerState)
-    rows = zip(message.contact_lower, message.contact_upper, strict=False)
     bounds = {
-        contact: np.array(row)
-        for contact, row in zip(message.bounded_contacts, rows, strict=False)
+        contact.name: np.array([contact.lower, contact.upper])
+        for contact in message.contacts
+        if contact.planned
     }
     return nanoseconds_from_time(message.header.stamp) / NANOSECONDS, bounds
 

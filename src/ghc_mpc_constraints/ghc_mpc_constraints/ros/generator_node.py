@@ -4,33 +4,34 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
-from ghc_msgs.msg import ControllerState
+from ghc_msgs.msg import ControllerState, Tick
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rclpy.task import Future
-from std_msgs.msg import Header
 
-from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, STREAM_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import tolerant
+from ghc_controller.ros.wire.cdr import decode_tick
+from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.types import NANOSECONDS
-from ghc_mpc_constraints.ros.conversions import header_of
 from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
 from ghc_mpc_constraints.ros.tick_clock import Due, TickClock
 
 P = TypeVar("P", ForceBoundParameters, ObstacleParameters)
 
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+MOST_EARLY = 1000  # [-] messages that wait for the run to which they belong
 
 
 class GeneratorNode(ABC, Generic[P]):
@@ -60,6 +61,7 @@ class GeneratorNode(ABC, Generic[P]):
         self.rejections = Rejections()
         self._name = name
         self._early: list[Callable[[], None]] = []  # what came before the first tick
+        self._next_run: deque[Callable[[], None]] = deque(maxlen=MOST_EARLY)
         self._in_force: list[bytes] = []  # the last two controller_states, until the first plan
         self._waiting_since: float | None = None  # [s] wall
         self._held_back_ns: int | None = None  # tick [ns] that waits for an input
@@ -100,7 +102,8 @@ class GeneratorNode(ABC, Generic[P]):
         self._controller: Subscription | None = self.listen(
             ControllerState, "ghc/controller_state", self._on_controller, STREAM_QOS, True
         )
-        self.listen(Header, "ghc/tick", self._on_tick, CONTROL_SUBSCRIBER_QOS, True)
+        listen_to_epochs(self.node, self.clock.timeline, self.reject)
+        self.listen(Tick, "ghc/tick", self._on_tick, CONTROL_SUBSCRIBER_QOS, True)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         self.node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
@@ -126,6 +129,13 @@ class GeneratorNode(ABC, Generic[P]):
         else:
             handle()
 
+    def waits_for_next_run(self, stamp_ns: int, handle: Callable[[], None]) -> bool:
+        """Whether a stamp [ns] is of a run that has not begun; then it is done when it begins."""
+        if not self.clock.timeline.is_of_next_run(stamp_ns):
+            return False
+        self._next_run.append(handle)
+        return True
+
     def reject(self, field: str, reason: str) -> None:
         """Count a refusal, and say so once in a while."""
         if self.rejections.count(field, time.monotonic()):
@@ -146,14 +156,18 @@ class GeneratorNode(ABC, Generic[P]):
 
     def _on_tick(self, data: bytes) -> None:
         try:
-            stamp_ns, epoch = header_of(data)
-        except InvalidValue as error:
+            stamp_ns, epoch = decode_tick(data)
+        except ValueError as error:
             self.reject("ghc/tick", str(error))
             return
         due = self.clock.judge(stamp_ns, epoch)
         if self.clock.new_epoch:
             self.reset()
-        if self._early and due not in (Due.STALE, Due.MALFORMED, Due.IMPLAUSIBLE):
+            early = list(self._next_run)
+            self._next_run.clear()
+            for handle in early:
+                handle()
+        if self._early and due not in (Due.STALE, Due.IMPLAUSIBLE):
             for handle in self._early:
                 handle()
             self._early.clear()
@@ -163,12 +177,10 @@ class GeneratorNode(ABC, Generic[P]):
             self._try_tick(stamp_ns)
         elif due in (Due.STALE, Due.IMPLAUSIBLE):
             self.reject(
-                "ghc/tick.stamp",
-                f"{stamp_ns / NANOSECONDS:.6f} s of epoch {epoch or '0'} given, "
+                "ghc/tick.start",
+                f"{stamp_ns / NANOSECONDS:.6f} s of epoch {epoch} given, "
                 f"{self.clock.timeline.expected()}",
             )
-        elif due is Due.MALFORMED:
-            self.reject("ghc/tick.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
 
     def _try_tick(self, stamp_ns: int) -> None:
         """Plan the tick of a stamp unless something is still to come."""
@@ -189,7 +201,7 @@ class GeneratorNode(ABC, Generic[P]):
 
     def _waits_to_take_over(self, start_ns: int) -> bool:
         """Before the first plan of a run under way: wait for the bounds in force, use them."""
-        if self._started or start_ns == 0:
+        if self._started or start_ns == (self.clock.timeline.start_ns or 0):
             return False
         if self._in_force and self.take_over(self._in_force, start_ns):
             return False

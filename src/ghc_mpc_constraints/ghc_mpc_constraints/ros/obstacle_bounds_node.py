@@ -1,6 +1,6 @@
 """Obstacle motion behind ROS topics: measured positions in, plans of virtual motion out.
 
-Publishes  constraints/obstacle_motion (stamp = the tick, frame_id = its epoch; one array
+Publishes  constraints/obstacle_motion (stamp and epoch of the tick; one array
            a tick, even when empty), /diagnostics.
 Subscribes ghc/tick (when to plan), constraints/obstacles (all that the sensor sees, at
            its own rate), ghc/controller_state (motion in force, before the first plan).
@@ -102,6 +102,8 @@ class ObstacleBoundsNode(GeneratorNode[ObstacleParameters]):
     def _take_obstacles(self, message: ObstacleStateArray) -> None:
         """A bad entry is left out with a warning; if it was known, it stays where it was."""
         stamp_ns = nanoseconds_from_time(message.header.stamp)
+        if self.waits_for_next_run(stamp_ns, partial(self._take_obstacles, message)):
+            return
         if stamp_ns > self.clock.now_ns + self._ahead_ns:
             self.reject(
                 "constraints/obstacles.stamp",

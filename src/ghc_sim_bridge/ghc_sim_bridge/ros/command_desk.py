@@ -69,7 +69,7 @@ class CommandDesk:
     def _take(self, data: bytes, mode: RunMode) -> bool:
         """Whether a serialized command was used."""
         try:
-            stamp_ns, torque, sender = self._decoder.decode(data, self._cycle.epoch)
+            stamp_ns, torque, sender = self._decoder.decode(data)
         except CommandRejected as error:
             self.refusal = str(error)
             self._reject(error.field, self.refusal)

@@ -7,6 +7,7 @@ from ghc_msgs.msg import (
     ContactForceBounds,
     ContactSchedule,
     ControllerState,
+    Epoch,
     PriorityMatrix,
     PriorityTransition,
     TaskReference,
@@ -17,6 +18,7 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 from std_srvs.srv import SetBool
 
 from ghc_controller.errors import GhcError
@@ -28,6 +30,7 @@ from ghc_controller.ros.qos import (
     TRACE_QOS,
 )
 from ghc_controller.ros.time import seconds_from_time
+from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 from ghc_sim_bridge.ros.experiment_conversions import (
     ScriptedTransition,
@@ -60,7 +63,8 @@ class ExperimentClient(Node):
         self.statuses: dict[str, TransitionStatus] = {}  # id -> latest answer
         self.accepted: set[str] = set()
         self.controller_spoke = False
-        self.state_time: float | None = None  # [s] latest joint state, while watched
+        self.run_start: float | None = None  # [s] stamp of the first state of the run
+        self.state_time: float | None = None  # [s] of the run, latest joint state, while watched
         self.diagnostics: dict[str, dict[str, str]] = {}  # node -> its latest values
         self.planned_contacts: set[str] = set()  # of the plans seen before time runs
         self._states: Subscription | None = None
@@ -70,6 +74,7 @@ class ExperimentClient(Node):
             PriorityTransition, TRANSITION_TOPIC, RELIABLE_QOS
         )
         self._pause = self.create_client(SetBool, "sim_bridge/pause")
+        self.create_subscription(Epoch, EPOCH_TOPIC, self._on_epoch, LATCHED_QOS)
         self.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
         )
@@ -112,11 +117,11 @@ class ExperimentClient(Node):
 
     def publish_transition(self, transition: ScriptedTransition) -> None:
         """Send one transition; the answer comes by `raise_if_rejected` and `accepted`."""
-        self._transitions.publish(transition_message(transition))
+        self._transitions.publish(transition_message(transition, self.run_start or 0.0))
 
     def publish_schedule(self, schedule: ScriptedSchedule) -> None:
-        """Send what one contact may carry, at simulated times."""
-        self._schedules.publish(schedule_message(schedule))
+        """Send what one contact may carry, at times of the run."""
+        self._schedules.publish(schedule_message(schedule, self.run_start or 0.0))
 
     def schedules_judged(self) -> int:
         """How many schedules the generator has accepted or refused, by its diagnostics."""
@@ -161,13 +166,24 @@ class ExperimentClient(Node):
     def _on_matrix(self, _message: PriorityMatrix) -> None:
         self.controller_spoke = True
 
+    def _on_epoch(self, message: Epoch) -> None:
+        self.run_start = seconds_from_time(message.start)
+        self.state_time = None
+
+    def _time_of(self, header: Header) -> float | None:
+        """Time of the run [s]; None for what is stamped before it, or before it is known."""
+        if self.run_start is None:
+            return None
+        time = seconds_from_time(header.stamp) - self.run_start
+        return time if time >= 0.0 else None
+
     def _on_state(self, message: JointState) -> None:
-        self.state_time = seconds_from_time(message.header.stamp)
+        self.state_time = self._time_of(message.header)
 
     def _on_controller_state(self, message: ControllerState) -> None:
         trace = self.trace
-        time = seconds_from_time(message.header.stamp)
-        if trace.time and time <= trace.time[-1]:
+        time = self._time_of(message.header)
+        if time is None or (trace.time and time <= trace.time[-1]):
             return
         trace.tasks = tuple(task.name for task in message.tasks)
         trace.time.append(time)
@@ -177,8 +193,9 @@ class ExperimentClient(Node):
         trace.time_terms.append(message.time_terms)
         trace.time_solve.append(message.time_solve)
         trace.time_step.append(message.time_step)
-        for name, value in zip(message.slack_names, message.slack, strict=False):
-            trace.slack[name] = max(trace.slack.get(name, 0.0), abs(value))
+        for entry in message.rows:
+            if entry.slack:
+                trace.slack[entry.name] = max(trace.slack.get(entry.name, 0.0), abs(entry.slack))
         if message.fallback_reason:
             trace.fallback_reasons.add(message.fallback_reason)
         trace.constraints.append(time, message)

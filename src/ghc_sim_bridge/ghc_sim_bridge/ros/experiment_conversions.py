@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from builtin_interfaces.msg import Duration, Time
+from builtin_interfaces.msg import Duration
 from ghc_msgs.msg import ContactSchedule, PriorityTransition, TaskReference, TaskReferencePoint
 
 from ghc_controller.ros.time import time_from_seconds
@@ -15,10 +15,10 @@ from ghc_sim_bridge.scenario.schedules import ScriptedSchedule
 
 @dataclass(frozen=True, slots=True)
 class ScriptedTransition:
-    """A transition with its simulated start."""
+    """A transition with its start."""
 
     id: str
-    start: float  # [s]
+    start: float  # [s] of the run
     duration: float  # [s]
     torque_rate: float = 0.0  # [Nm/s] budget; 0 = none
     hierarchy: str = ""
@@ -34,10 +34,10 @@ def reference_message(reference: Reference, duration: float) -> TaskReference:
     return message
 
 
-def transition_message(transition: ScriptedTransition) -> PriorityTransition:
-    """A transition with its simulated start."""
+def transition_message(transition: ScriptedTransition, run_start: float) -> PriorityTransition:
+    """A transition of a run that begins at `run_start` [s] of simulated time."""
     message = PriorityTransition()
-    message.header.stamp = time_from_seconds(transition.start)
+    message.header.stamp = time_from_seconds(run_start + transition.start)
     message.id = transition.id
     message.duration = transition.duration
     message.torque_rate = transition.torque_rate
@@ -49,11 +49,13 @@ def transition_message(transition: ScriptedTransition) -> PriorityTransition:
     return message
 
 
-def schedule_message(schedule: ScriptedSchedule) -> ContactSchedule:
-    """What one contact may carry, at simulated times."""
+def schedule_message(schedule: ScriptedSchedule, run_start: float) -> ContactSchedule:
+    """What one contact may carry in a run that begins at `run_start` [s] of simulated time."""
     message = ContactSchedule(contact=schedule.contact)
-    message.header.stamp = Time(nanosec=1)  # as good as zero, which would mean: on receipt
-    message.known_from = time_from_seconds(schedule.known_from)
+    # A nanosecond is as good as zero, which would mean: on receipt.
+    message.header.stamp = time_from_seconds(max(run_start, 1e-9))
+    if schedule.known_from > 0.0:
+        message.known_from = time_from_seconds(run_start + schedule.known_from)
     message.times = list(schedule.times)
     message.lower, message.upper = list(schedule.lower), list(schedule.upper)
     return message
