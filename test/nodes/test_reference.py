@@ -86,7 +86,7 @@ def test_a_refusal_is_an_error_with_its_reason(robot: Callable[..., Any]) -> Non
     for arguments, reason in {
         ("elbo", *NEAR): "unknown task 'elbo'; known: end_effector, elbow, posture",
         ("elbow", "1", "2"): "task 'elbow': 2 numbers given, 3 expected",
-        ("elbow", "500", "0", "300"): "",
+        ("elbow", "500", "0", "300"): "task 'elbow', position: 500 given, at most 10 expected",
     }.items():
         run = robot(*arguments)
         assert run.wait(WAIT) == 1, run.output

@@ -3,8 +3,8 @@
     ros2 run ghc_controller reference end_effector 0.5 0.1 0.7 --duration 2.0
 
 Publishes   ghc/task_reference: one message, once a controller has shown that it is there.
-Subscribes  ghc/controller_state (where the task is, whether the reference was taken).
-Exit code   0 REACHED; 1 REJECTED or not reached in time; 2 wrong arguments; 130 Ctrl-C.
+Subscribes  ghc/controller_state (where the task is) and ghc/task_reference_status (the answer).
+Exit code   0 REACHED; 1 REJECTED, REPLACED or not reached in time; 2 wrong arguments; 130 Ctrl-C.
 """
 
 from __future__ import annotations

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from ghc_msgs.msg import ControllerState, TaskReference, TaskReferencePoint, TaskState
+from ghc_msgs.msg import (
+    ControllerState,
+    TaskReference,
+    TaskReferencePoint,
+    TaskReferenceStatus,
+    TaskState,
+)
 from rclpy.node import Node
 
 from ghc_controller.errors import ConfigurationError, UnknownName
@@ -20,7 +27,7 @@ from ghc_controller.ros.time import seconds_from_time, time_from_seconds
 from ghc_controller.types import Array
 
 NODE_NAME = "reference"
-_REJECTED = f"rejected_{REFERENCE}"  # counter of controller_state
+_ENDS = {TaskReferenceStatus.REJECTED: "REJECTED", TaskReferenceStatus.REPLACED: "REPLACED"}
 _SAME = 1e-3  # [m], [rad] or [-] two references within this are one
 
 
@@ -42,13 +49,15 @@ class ReferenceRequest:
         self._tolerance = tolerance
         self._show = show
         self._sent_at: float | None = None  # [s] of the robot
-        self._rejected = 0  # references that the controller had rejected before
+        self._id = f"{NODE_NAME}_{os.getpid()}"
         self._target = np.zeros(0)
         self._end = 0.0  # [s] of the robot, at the last point
-        self._seen = False  # whether the controller follows it
         self._last: TaskState | None = None
         self._state: ControllerState | None = None
         self._publisher = self.node.create_publisher(TaskReference, REFERENCE, RELIABLE_QOS)
+        self.node.create_subscription(
+            TaskReferenceStatus, "ghc/task_reference_status", self._on_status, RELIABLE_QOS
+        )
         # Made last: once a report is here, the controller knows the one above.
         self.node.create_subscription(
             ControllerState, "ghc/controller_state", self._on_state, STREAM_QOS
@@ -76,11 +85,12 @@ class ReferenceRequest:
             self._finish(stamp, "REJECTED", str(error))
             return
         self._sent_at = seconds_from_time(stamp)
-        self._rejected = _count(state)
         self._end = max(self._start, self._sent_at) + points.end
         last = np.array(points.points[-1].position)
         self._target = last if last.size else np.array(present.reference)
-        self._publisher.publish(reference_message(self._task, points, self._start))
+        message = reference_message(self._task, points, self._start)
+        message.id = self._id
+        self._publisher.publish(message)
         over = f" over {points.end:g} s" if points.end else ""
         begin = f" from t = {self._start:.3f} s" if self._start else ""
         self._show(line(stamp, "SENT", f"{self._task} to {_numbers(last)}{begin}{over}"))
@@ -97,24 +107,17 @@ class ReferenceRequest:
         if self._sent_at is None or self.exit_code is not None:
             return
         now = seconds_from_time(message.header.stamp)
-        if _count(message) > self._rejected and not self._seen:
-            self._finish(
-                message.header.stamp, "REJECTED", "the log of the controller has the reason"
-            )
-            return
         task = next((task for task in message.tasks if task.name == self._task), None)
         if task is None:
             return
         self._last = task
-        if now < self._end or not self._is_followed(task):
-            return
-        if task.error_norm <= self._tolerance:
+        followed = same_target(np.array(task.reference), self._target)
+        if now >= self._end and followed and task.error_norm <= self._tolerance:
             self._finish(message.header.stamp, "REACHED", describe(task), 0)
 
-    def _is_followed(self, task: TaskState) -> bool:
-        """Whether the last point is what the task follows now."""
-        self._seen = same_target(np.array(task.reference), self._target)
-        return self._seen
+    def _on_status(self, message: TaskReferenceStatus) -> None:
+        if message.id == self._id and message.status in _ENDS and self.exit_code is None:
+            self._finish(message.header.stamp, _ENDS[message.status], message.reason)
 
     def _finish(self, stamp: Time, word: str, detail: str, code: int = EXIT_FAILED) -> None:
         self._show(line(stamp, word, detail))
@@ -154,8 +157,3 @@ def reference_message(task: str, points: Points, start: float) -> TaskReference:
 
 def _numbers(values: Array) -> str:
     return " ".join(f"{value:.4g}" for value in values)
-
-
-def _count(state: ControllerState) -> int:
-    """References that the controller has rejected so far."""
-    return sum(int(entry.count) for entry in state.counts if entry.name == _REJECTED)

@@ -68,7 +68,8 @@ class Scenery:
             self._add_targets(report)
             self._add_obstacles("virtual obstacles", report.obstacles, PALETTE[5])
         self._add_obstacles("obstacles", obstacles, BOUND)
-        self._add_contacts(forces, () if report is None else report.contacts)
+        contacts = () if report is None else report.contacts
+        self._add_contacts(forces, [contact.name for contact in contacts if contact.on])
         return self._marks.message()
 
     def _add_targets(self, report: ControllerState) -> None:
