@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench study compare kinematics faults soak paper campaign test-long lint format lock clean distclean
+.PHONY: help setup demo run test bench study compare kinematics faults fuzz soak paper campaign docs test-long lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
@@ -64,8 +64,14 @@ kinematics: setup ## T1 to T20 of gn_qn_2018, docs/gn_qn.md: ARGS="4 5 20 --vari
 faults: setup ## faults injected over DDS, docs/reliability.md: ARGS="--quick --only words --runs 3"
 	@$(WORKSPACE) && exec .venv/bin/python -m benchmarks.faults.campaign $(ARGS)
 
+fuzz: setup ## a million random cases into every parser, codec, loader and transitions (about an hour)
+	@$(WORKSPACE) && exec .venv/bin/python -m benchmarks.fuzz.run $(ARGS)
+
 soak: setup ## memory of the generator nodes over ten simulated minutes
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak/run.py $(ARGS)
+
+docs: setup ## the documents as a static site in build/site, its notebooks executed
+	@$(WORKSPACE) && exec .venv/bin/python -m tools.docs
 
 test: setup ## all tests; ARGS goes to pytest
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all

@@ -22,13 +22,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in _THREADS:  # before NumPy is imported
         os.environ.setdefault(name, "1")
     import ghc_controller as ghc
+    from benchmarks.peers.session import run_peers
     from benchmarks.steps.session import run_session
     from ghc_controller.ros.stop_signals import interrupt_on_stop_signals
     from tools.workspace.errors import SetupError
 
     interrupt_on_stop_signals()
     try:
-        run_session(options, ROOT)
+        if options.only == "peers":
+            run_peers(ROOT, options.output, quick=options.quick, write_docs=options.write_docs)
+        else:
+            run_session(options, ROOT)
     except (ghc.GhcError, SetupError) as error:
         print(f"bench: {error}", file=sys.stderr)
         return 1
@@ -42,12 +46,16 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bench", description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a short run, to see that it works")
     parser.add_argument(
-        "--only", choices=("step", "standing", "mpc", "loop"), help="one of the benchmarks"
+        "--only",
+        choices=("step", "standing", "mpc", "loop", "peers"),
+        help="one of the benchmarks; peers (tsid and placo, installed by it) is part of no other",
     )
     parser.add_argument("--robot", choices=("kuka_lwr", "icub"), help="steps of one robot only")
     parser.add_argument("--output", type=Path, default=Path("results/bench"), metavar="DIR")
     parser.add_argument(
-        "--write-docs", action="store_true", help="write docs/benchmarks.md and its figure too"
+        "--write-docs",
+        action="store_true",
+        help="write docs/benchmarks.md (docs/peers.md) and its figure too",
     )
     return parser
 

@@ -15,7 +15,13 @@ from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.schema.declared import Entry, flat
 from ghc_controller.schema.domains import OneOf
 from ghc_mpc_constraints.ros.parameters import generator_parameters
-from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
+from ghc_sim_bridge.parameters import (
+    BridgeParameters,
+    RecorderParameters,
+    ReplayParameters,
+    ViewerParameters,
+)
+from ghc_sim_bridge.ros.display.parameters import DisplayParameters
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "interfaces.md"
@@ -25,7 +31,9 @@ NODES: dict[str, type] = {
     "reachable_targets": ReachableTargetsParameters,
     "sim_bridge": BridgeParameters,
     "recorder": RecorderParameters,
+    "replay": ReplayParameters,
     "viewer": ViewerParameters,
+    "display_publisher": DisplayParameters,
     **{
         name: generator_parameters(name)
         for name in ("contact_forces", "obstacle_motion", "joint_limits", "torque_limits")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from ghc_controller.migration.messages import MESSAGES
 from ghc_controller.migration.modules import FOLDERS, MODULES
 from ghc_controller.migration.names import RENAMED
 
@@ -26,9 +27,15 @@ def modules_table() -> str:
     return "\n".join(lines) + "\n"
 
 
+def messages_table() -> str:
+    """Old topics and fields, and the new ones."""
+    lines = ["| old | new |", "|---|---|"]
+    return "\n".join(lines + [f"| {old} | {new} |" for old, new in MESSAGES]) + "\n"
+
+
 def rendered(text: str) -> str:
-    """The document with both tables as the sources have them now."""
-    tables = {"names": names_table, "modules": modules_table}
+    """The document with all tables as the sources have them now."""
+    tables = {"names": names_table, "modules": modules_table, "messages": messages_table}
     return _TABLE.sub(lambda match: f"{match[1]}\n{tables[match[2]]()}\n{match[3]}", text)
 
 

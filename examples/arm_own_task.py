@@ -28,18 +28,14 @@ class DistanceTask(ghc.Task):
         gains = [fields.number(name) for name in ("stiffness", "damping")]
         return cls(fields.text("name"), frame, fields.numbers("center", 3), *gains)
 
-    def write_rows(self, model: Any, target: Any, out: Any) -> None:
+    def measure(self, model: Any, reference: Any, out: Any) -> None:
         """J = u^T J_p, and J' v = u^T J_p' v + (|v_p|^2 - (u^T v_p)^2) / xi."""
         frame = model.frame(self.frame)
-        velocity, drift = frame.velocity[:3], frame.drift[:3]
-        u, xi = frame.position - self.center, self.current(model)
-        u = u / xi
-        rate = u @ velocity
-        bent = u @ drift + (velocity @ velocity - rate**2) / xi
-        error, velocity_error = target.position - xi, target.velocity - rate
-        self.fill(
-            out, u[None] @ frame.jacobian[:3], bent, error, velocity_error, target.acceleration
-        )
+        velocity, xi = frame.velocity[:3], self.current(model)
+        u = (frame.position - self.center) / xi
+        out.error[:] = reference.position - xi
+        out.jacobian[:] = u @ frame.jacobian[:3]
+        out.drift[:] = u @ frame.drift[:3] + (velocity @ velocity - (u @ velocity) ** 2) / xi
 
     def current(self, model: Any) -> Any:
         """The distance now, (1,)."""

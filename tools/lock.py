@@ -2,7 +2,8 @@
 
 Every lock is made by the pinned uv and holds hashes. The ones without ROS are the same versions as
 the full ones, less what ROS 2 needs; those of the robot models and of
-the cluster hold what comes on top.
+the cluster hold what comes on top. Those of the peers and of the site are of environments of their
+own.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pathlib import Path
 from tools.workspace.checks import SUPPORTED
 from tools.workspace.layout import Layout, Way
 
+PEERS = ("tsid", "placo")
 _OWN = ("app.in", "build.in", "dev.in")
 
 
@@ -42,6 +44,11 @@ def main() -> int:
         jobs.append((layout.study_models_lock(version), [*python, *upgrade, *same, *study]))
         cluster = ["requirements/cluster.in"]
         jobs.append((layout.cluster_lock(version), [*python, *upgrade, *same, *cluster]))
+        for peer in PEERS:
+            other = f"requirements/peers-{peer}.in"
+            jobs.append((layout.peer_lock(peer, version), [*python, *upgrade, other]))
+        # Not the same versions: Sphinx needs an older docutils than colcon takes.
+        jobs.append((layout.docs_lock(version), [*python, *upgrade, "requirements/docs.in"]))
     for target, arguments in jobs:
         name = str(target.relative_to(root))
         print(f"lock: {name}", flush=True)

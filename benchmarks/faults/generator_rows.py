@@ -15,6 +15,7 @@ from ghc_msgs.msg import (
     ObstacleState,
     ObstacleStateArray,
     PlannedMotion,
+    Tick,
 )
 from std_msgs.msg import Header
 
@@ -119,9 +120,9 @@ def schedules(make: Callable[[int], ContactSchedule], session: Session, _: Any) 
     session.node.destroy_publisher(publisher)
 
 
-def tick(stamp: Time, frame_id: str, session: Session, _: np.random.Generator) -> None:
+def tick(start: Time, epoch: int, session: Session, _: np.random.Generator) -> None:
     """One forged tick."""
-    session.ticks.publish(Header(stamp=stamp, frame_id=frame_id))
+    session.ticks.publish(Tick(start=start, epoch=epoch))
 
 
 def _schedule(k: int, **fields: Any) -> ContactSchedule:
@@ -146,9 +147,9 @@ _ROWS: dict[str, Any] = {
     },
     "controller kill -9 with generators": partial(kill_and_restart, "controller"),
     "ONE obstacles, empty, stamp 2^31-1 s": sensor(lambda s: _stamped(measured(s, 0), FOREVER), 1),
-    "ghc/tick stamp 1e6 s": partial(tick, Time(sec=10**6), "0"),
-    "ghc/tick stamp 2^31-1 s": partial(tick, Time(sec=FOREVER, nanosec=999_999_999), "0"),
-    "ghc/tick epoch 999999": partial(tick, Time(), "999999"),
+    "ghc/tick stamp 1e6 s": partial(tick, Time(sec=10**6), 0),
+    "ghc/tick stamp 2^31-1 s": partial(tick, Time(sec=FOREVER, nanosec=999_999_999), 0),
+    "ghc/tick epoch 999999": partial(tick, Time(), 999_999),
     "100 obstacles": sensor(lambda s: measured(s, 100), 10),
     "1e4 obstacles": sensor(lambda s: measured(s, 10_000), 1),
     "obstacle flickers": sensor(lambda s: measured(s, int(10.0 * now_of(s)) % 2)),

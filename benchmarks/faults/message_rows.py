@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
+from ghc_msgs.msg import Epoch
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
@@ -31,6 +32,14 @@ def states(count: int, session: Session, _: np.random.Generator, **changes: Any)
 def one(session: Session, _: np.random.Generator, **changes: Any) -> None:
     """A single forged state."""
     session.forge_state(**changes)
+
+
+def epochs(start: Time | None, session: Session, _: np.random.Generator) -> None:
+    """Runs announced that do not begin; without `start` at the newest stamp."""
+    for k in range(COUNT):
+        assert session.state is not None
+        session.epochs.publish(Epoch(start=start or session.state.header.stamp, number=k + 7))
+        session.spin(PAUSE)
 
 
 def shifted(session: Session, rng: np.random.Generator) -> None:
@@ -103,16 +112,14 @@ _STATES: dict[str, dict[str, Any]] = {
     "reordered": {"ahead": -0.01},
     "permuted names (sound)": {"ahead": 0.0},
     "1e5 names": {"name": ["x"] * 100_000},
-    "epoch 999999, 60 times": {"frame_id": "999999"},
     "stamp +1 h, 60 times": {"ahead": 3600.0},
 }
 _ONE: dict[str, dict[str, Any]] = {
     "stamp +1 h": {"ahead": 3600.0},
     "stamp +0.09 s": {"ahead": 0.09},
-    "epoch 999999": {"frame_id": "999999"},
     "stamp 2^31-1 s, 4e9 ns": {"stamp": Time(sec=FOREVER, nanosec=4_000_000_000)},
     "stamp 2^31-1 s": {"stamp": Time(sec=FOREVER, nanosec=999_999_999)},
-    "stamp -2^31 s, epoch 1e6": {"stamp": Time(sec=-FOREVER - 1), "frame_id": "1000000"},
+    "stamp -2^31 s": {"stamp": Time(sec=-FOREVER - 1)},
     "effort -1e4": {"effort": -1e4},
 }
 _COMMANDS: dict[str, dict[str, Any]] = {
@@ -125,12 +132,17 @@ _COMMANDS: dict[str, dict[str, Any]] = {
     "empty": {"name": [], "effort": []},
     "duplicated": {"name": ["joint_1"] * len(JOINTS)},
     "unknown": {"name": [f"unknown_{k}" for k in range(len(JOINTS))]},
-    "wrong epoch": {"frame_id": "77"},
-    "other sender": {"frame_id": "0@intruder", "effort": 30.0},
+    "other sender": {"frame_id": "intruder", "effort": 30.0},
     "stamp of the future": {"stamp": Time(sec=FOREVER)},
     "stamp of the past": {"stamp": Time(sec=0)},
 }
-_QUICK = {"q NaN", "v 1e3", "effort -1e4", "stamp +1 h", "epoch 999999", "zeros", "effort 1e300"}
+_EPOCHS: dict[str, Time | None] = {
+    "of now": None,
+    "of the start, again": Time(),
+    "of 1e6 s": Time(sec=10**6),
+    "of 2^31-1 s": Time(sec=FOREVER, nanosec=999_999_999),
+}
+_QUICK = {"q NaN", "v 1e3", "effort -1e4", "stamp +1 h", "zeros", "effort 1e300"}
 
 ROWS = (
     *(
@@ -153,7 +165,12 @@ ROWS = (
         )
         for name, changes in _ONE.items()
     ),
-    Row("5 joint_states epoch 999999", partial(states, 5, frame_id="999999"), "joint_states"),
+    *(
+        Row(
+            f"sim_bridge/epoch {name}", partial(epochs, start), "joint_states", quick=start is None
+        )
+        for name, start in _EPOCHS.items()
+    ),
     Row("5 joint_states effort -1e4", partial(states, 5, effort=-1e4), "joint_states"),
     *(
         Row(

@@ -15,18 +15,19 @@ from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import (
     ControllerMode,
     ControllerState,
+    Epoch,
     ObstacleStateArray,
     PriorityMatrix,
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
+    Tick,
     TransitionStatus,
 )
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from benchmarks.faults.monitor import READY
@@ -51,6 +52,7 @@ NODES = {
     "controller": ("ghc_controller", "controller"),
     "obstacle_bounds": ("ghc_mpc_constraints", "obstacle_bounds"),
     "contact_force_bounds": ("ghc_mpc_constraints", "contact_force_bounds"),
+    "recorder": ("ghc_sim_bridge", "recorder"),
 }
 # Targets [m] between which the arm is sent to and fro, fast.
 TARGETS = ((0.45, 0.30, 0.65), (0.45, -0.30, 0.55))
@@ -88,7 +90,8 @@ class Session:
         self.commands_out = create(JointState, "joint_commands", CONTROL_PUBLISHER_QOS)
         self.transitions = create(PriorityTransition, "ghc/priority_transition", RELIABLE_QOS)
         self.references = create(TaskReference, "ghc/task_reference", RELIABLE_QOS)
-        self.ticks = create(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        self.ticks = create(Tick, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        self.epochs = create(Epoch, "sim_bridge/epoch", LATCHED_QOS)
         self.obstacles = create(ObstacleStateArray, "constraints/obstacles", CONTROL_PUBLISHER_QOS)
         self.state: JointState | None = None  # the newest one of the bridge or anybody
         self.command: JointState | None = None

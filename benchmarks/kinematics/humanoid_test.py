@@ -17,8 +17,7 @@ from benchmarks.models import install_model
 from ghc_controller.kinematics import KinematicSettings, Level, TaskSolver
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.tasks.center_of_mass import CenterOfMassTask
-from ghc_controller.tasks.frame_pose import FramePoseTask
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FramePoseTask, FramePositionTask
 from ghc_controller.types import Array
 
 PERIODS = {10000: 5000, 3000: 1500}  # steps: steps per oscillation of the target

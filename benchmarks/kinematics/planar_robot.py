@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from ghc_controller.kinematics import Level
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FramePositionTask
 from ghc_controller.types import Array
 
 START = np.array([0.0, np.pi / 2, 0.0, 0.0])  # [m], [rad] links point to -x: docs/gn_qn.md

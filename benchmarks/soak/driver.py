@@ -8,10 +8,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from ghc_msgs.msg import Tick
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from std_msgs.msg import Header
 
 import ghc_controller as ghc
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PREVIEW_SUBSCRIBER_QOS
@@ -37,7 +37,7 @@ class Driver(ABC):
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
         self._rng = np.random.default_rng(0)
-        self._ticks = self.node.create_publisher(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        self._ticks = self.node.create_publisher(Tick, "ghc/tick", CONTROL_PUBLISHER_QOS)
         self._newest_ns = -1
         self._handled = 0  # contacts or obstacles of the newest plan
         self.node.create_subscription(self.plan, self.topic, self._on_plan, PREVIEW_SUBSCRIBER_QOS)
@@ -62,7 +62,7 @@ class Driver(ABC):
             GhcError: none came, or what `check` raises.
         """
         stamp_ns = number * STEP_NS
-        message = Header(stamp=time_from_nanoseconds(stamp_ns), frame_id="0")
+        message = Tick(start=time_from_nanoseconds(stamp_ns))
         deadline, again = time.monotonic() + _DEADLINE, 0.0
         while self._newest_ns < stamp_ns:
             now = time.monotonic()

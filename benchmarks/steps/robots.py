@@ -16,8 +16,7 @@ import pinocchio as pin
 
 import ghc_controller as ghc
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.tasks.frame_orientation import FrameOrientationTask
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FrameOrientationTask, FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.types import Array
 from tools.model_packages import install_missing
@@ -118,11 +117,11 @@ class Humanoid(BenchRobot):
 
         text = Path(get_model_file(self._MODEL)).read_text(encoding="utf-8")
         # Without the package's resources Pinocchio would warn of each mesh that it does not need.
-        self._urdf = re.sub(r"<(visual|collision)\b.*?</\1>", "", text, flags=re.DOTALL)
+        self.urdf_text = re.sub(r"<(visual|collision)\b.*?</\1>", "", text, flags=re.DOTALL)
 
     def model(self) -> RobotModel:
         """See BenchRobot."""
-        model = RobotModel(pin.buildModelFromXML(self._urdf))
+        model = RobotModel(pin.buildModelFromXML(self.urdf_text))
         model.limits = self.product().model.limits  # the same joints, on a base that floats
         return model
 

@@ -38,7 +38,7 @@ def run_standing_bench(
     install_missing("icub-models", layout)
     tell(f"{TITLE}: states in which to measure")
     for count in range(1, len(TASKS) + 1):
-        states = _simulated(count, segments, length)
+        states = simulated(count, segments, length)
         timed = [TimedController(_config(count), variant, None) for variant in VARIANTS]
         for controller in timed:
             for segment in states:
@@ -91,7 +91,8 @@ def _config(count: int) -> ghc.Robot:
     return replace(robot, tasks=chosen, hierarchy=" > ".join(names))
 
 
-def _simulated(count: int, segments: int, length: int) -> list[Segment]:
+def simulated(count: int, segments: int, length: int) -> list[Segment]:
+    """States of a closed loop in MuJoCo with the first tasks, hands on the move."""
     robot = _config(count)
     simulator = Simulator(SCENE, DT, DT, joint_names=robot.model.joint_names)
     controller = ghc.Controller(robot, ghc.Settings(control_dt=DT, torque_rate_limit=0.0))

@@ -111,9 +111,7 @@ def least_distance(
 
     def rows(q: Array) -> tuple[Array, Array]:
         model.update(q, still)
-        found = task.rows(
-            model, ghc.RobotState(0.0, q, still), TaskTarget(target, *np.zeros((2, 3)))
-        )
+        found = task.measured(model, TaskTarget(target, *np.zeros((2, 3))))
         return -found.error, found.jacobian
 
     inside = 1e-9 * (limits.upper - limits.lower)

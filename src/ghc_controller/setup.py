@@ -20,7 +20,7 @@ setup(
     # Without ROS; a workspace installs the versions of requirements/ instead.
     install_requires=["daqp", "numba", "numpy", "pin", "proxsuite", "pyyaml", "scipy"],
     packages=find_packages(),
-    package_data={package_name: ["py.typed", "robot/data/**/*", "core/*.pyi"]},
+    package_data={package_name: ["py.typed", "robot/data/**/*", "ros/*.xml", "core/*.pyi"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -33,6 +33,7 @@ setup(
             "controller = ghc_controller.ros.controller_node:main",
             "reachable_targets = ghc_controller.ros.reachable.node:main",
             "transition = ghc_controller.ros.transition:main",
+            "reference = ghc_controller.ros.by_hand.reference:main",
             "new_robot = ghc_controller.robot.first_files.new_robot:main",
         ]
     },

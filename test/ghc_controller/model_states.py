@@ -10,7 +10,9 @@ import pinocchio as pin
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.types import Array, RobotState
+from ghc_controller.tasks.stack import TaskStack
+from ghc_controller.tasks.task import Task
+from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
 ROBOTS = ("kuka_lwr", "manipulator", "humanoid")  # the last has a floating base, 32 coordinates
 
@@ -41,3 +43,10 @@ def random_state(robot: str, rng: np.random.Generator) -> RobotState:
 def moved(robot: str, q: Array, step: Array) -> Array:
     """Configuration after moving by `step` (n,)."""
     return np.asarray(pin.integrate(pin_model(robot), q, step))
+
+
+def rows_of(task: Task, model: RobotModel, state: RobotState, target: TaskTarget) -> TaskRows:
+    """Rows of one task with their law, out of contact; the model is updated with `state`."""
+    stack = TaskStack([task], model.nv)
+    stack.update(model, state, [target])
+    return stack.rows

@@ -12,14 +12,20 @@ import numpy as np
 import pinocchio as pin
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from ghc_msgs.msg import Epoch
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from ghc_controller.robot.library import find_robot
-from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS
+from ghc_controller.ros.qos import (
+    CONTROL_PUBLISHER_QOS,
+    CONTROL_SUBSCRIBER_QOS,
+    LATCHED_QOS,
+)
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
+from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
 
 ROBOT = "kuka_lwr"
 DEADLINE = 90.0  # [s] wall
@@ -59,6 +65,7 @@ class BridgeClient:
     def __init__(self, context: rclpy.Context) -> None:
         self.node = Node("client", context=context)
         self.states: list[JointState] = []
+        self.epochs: list[Epoch] = []
         self.diagnostics: dict[str, str] = {}
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
@@ -68,6 +75,7 @@ class BridgeClient:
         self.node.create_subscription(
             JointState, "joint_states", self.states.append, CONTROL_SUBSCRIBER_QOS
         )
+        self.node.create_subscription(Epoch, EPOCH_TOPIC, self.epochs.append, LATCHED_QOS)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
@@ -75,12 +83,27 @@ class BridgeClient:
             if status.name == "sim_bridge":
                 self.diagnostics = {pair.key: pair.value for pair in status.values}
 
-    def until(self, condition: Callable[[], Any], what: str, timeout: float = DEADLINE) -> None:
-        """Spin until `condition`; fail after `timeout` [s]."""
-        deadline = time.monotonic() + timeout
+    def until(
+        self,
+        condition: Callable[[], Any],
+        what: str,
+        timeout: float = DEADLINE,
+        again: Callable[[], Any] | None = None,
+    ) -> None:
+        """Spin until `condition`, doing `again` once a second; fail after `timeout` [s].
+
+        A message to a node that has not heard of its sender yet is lost, also over a reliable
+        connection: what has to arrive is sent by `again`.
+        """
+        start = time.monotonic()
+        due = start + 1.0
         while not condition():
             self._executor.spin_once(timeout_sec=0.05)
-            assert time.monotonic() < deadline, f"{what} did not come within {timeout:g} s"
+            now = time.monotonic()
+            assert now < start + timeout, f"{what} did not come within {timeout:g} s"
+            if again is not None and now > due:
+                again()
+                due = now + 1.0
 
     def spin(self, seconds: float) -> None:
         """Spin for `seconds` [s] of wall time."""
@@ -96,12 +119,14 @@ class BridgeClient:
 
     def step(self, state: JointState, torque: Sequence[float]) -> JointState:
         """Answer `state` and wait for the one that follows."""
-        self.commands.publish(answer(state, torque))
+        command = answer(state, torque)
+        self.commands.publish(command)
         stamp = nanoseconds_from_time(state.header.stamp)
         self.states.clear()
         self.until(
             lambda: any(nanoseconds_from_time(s.header.stamp) > stamp for s in self.states),
             f"the state after {stamp} ns",
+            again=lambda: self.commands.publish(command),
         )
         return self.states[-1]
 
@@ -110,11 +135,12 @@ class BridgeClient:
         self.until(lambda: self.commands.get_subscription_count() > 0, "the bridge's subscription")
         return self.next_state()
 
-    def counted(self, key: str, at_least: int) -> None:
-        """Wait until the diagnostics show that many events."""
+    def counted(self, key: str, at_least: int, again: Callable[[], Any] | None = None) -> None:
+        """Wait until the diagnostics show that many events, doing `again` once a second."""
         self.until(
             lambda: int(self.diagnostics.get(f"rejected_{key}", "0")) >= at_least,
-            f"rejected_{key} >= {at_least} in the diagnostics ({self.diagnostics})",
+            f"rejected_{key} >= {at_least} in the diagnostics",
+            again=again,
         )
 
     def reset(self) -> str:

@@ -15,6 +15,7 @@ import pytest
 from bridge_client import ROBOT, BridgeClient, GravityModel, answer
 
 from ghc_controller.ros.time import nanoseconds_from_time
+from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
 from ghc_sim_bridge.run.processes import NodeProcess
 
@@ -137,5 +138,11 @@ def test_pause_stops_time_and_resume_holds(
     assert client.next_state().header.stamp == stamp
     client.pause(False)
     client.until(lambda: client.next_state().header.stamp != stamp, "time to go on")
-    assert client.reset() == "epoch 1"
-    client.until(lambda: client.next_state().header.frame_id == "1", "a state of epoch 1")
+    before = nanoseconds_from_time(client.next_state().header.stamp)
+    assert client.reset().startswith("epoch 1 from t = ")
+    client.until(lambda: client.epochs[-1].number == 1, "epoch 1")
+    start = nanoseconds_from_time(client.epochs[-1].start)
+    assert start > before + NANOSECONDS
+    client.until(
+        lambda: nanoseconds_from_time(client.next_state().header.stamp) >= start, "its states"
+    )

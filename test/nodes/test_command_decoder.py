@@ -19,11 +19,11 @@ def _decoder() -> CommandDecoder:
 
 
 def _command(
-    effort: list[float], names: list[str] = NAMES, stamp_ns: int = 0, epoch: str = ""
+    effort: list[float], names: list[str] = NAMES, stamp_ns: int = 0, sender: str = ""
 ) -> bytes:
     message = JointState(name=names, effort=effort)
     message.header.stamp = time_from_nanoseconds(stamp_ns)
-    message.header.frame_id = epoch
+    message.header.frame_id = sender
     return bytes(serialize_message(message))
 
 
@@ -36,7 +36,7 @@ def test_effort_comes_back_in_the_order_of_the_bridge() -> None:
         stamp = int(rng.integers(0, 10**12))
         data = _command(torque[order].tolist(), [NAMES[k] for k in order], stamp)
         for _ in range(2):  # read in full, then by what is known of it
-            command = decoder.decode(data, 0)
+            command = decoder.decode(data)
             np.testing.assert_array_equal(command.torque, torque)
             assert command.stamp_ns == stamp
 
@@ -62,26 +62,24 @@ def test_rejection_names_the_field(
     good = _command([1.0] * 7)
     for _ in range(2):
         with pytest.raises(CommandRejected, match=words) as caught:
-            decoder.decode(_command(effort, names), 0)
+            decoder.decode(_command(effort, names))
         assert caught.value.field == field
-        np.testing.assert_array_equal(decoder.decode(good, 0).torque, np.ones(7))
+        np.testing.assert_array_equal(decoder.decode(good).torque, np.ones(7))
 
 
-def test_command_of_another_epoch_is_rejected_and_no_epoch_is_accepted() -> None:
+def test_the_frame_id_names_the_sender() -> None:
     decoder = _decoder()
-    decoder.decode(_command([1.0] * 7, epoch="2"), 2)
-    decoder.decode(_command([1.0] * 7), 2)
-    with pytest.raises(CommandRejected, match="epoch '1' given, '2' expected"):
-        decoder.decode(_command([1.0] * 7, epoch="1"), 2)
+    for name in ("", "controller_1f", "other"):
+        assert decoder.decode(_command([1.0] * 7, sender=name)).sender == name
 
 
 @pytest.mark.parametrize("cut", [0, 3, 11, 40, 150])
 def test_truncated_bytes_are_rejected(cut: int) -> None:
     decoder = _decoder()
     whole = _command([1.0] * 7)
-    decoder.decode(whole, 0)
+    decoder.decode(whole)
     with pytest.raises(CommandRejected):
-        decoder.decode(whole[:cut], 0)
+        decoder.decode(whole[:cut])
 
 
 def test_positions_beside_the_efforts_do_not_disturb() -> None:
@@ -89,4 +87,4 @@ def test_positions_beside_the_efforts_do_not_disturb() -> None:
     message = JointState(name=NAMES, position=[9.0] * 7, velocity=[8.0] * 7, effort=[1.0] * 7)
     data = bytes(serialize_message(message))
     for _ in range(2):
-        np.testing.assert_array_equal(decoder.decode(data, 0).torque, np.ones(7))
+        np.testing.assert_array_equal(decoder.decode(data).torque, np.ones(7))

@@ -11,23 +11,25 @@ from ghc_msgs.msg import (
     BoundInForce,
     ConstraintPreview,
     ConstraintPreviews,
+    ContactState,
     ControllerState,
     ObstacleState,
     PlannedMotion,
+    Tick,
 )
 from rclpy.serialization import deserialize_message, serialize_message
-from sensor_msgs.msg import JointState
 
 from ghc_controller.errors import GhcError, InvalidValue, UnknownName
 from ghc_controller.previews.preview import Preview, StaleRule
 from ghc_controller.ros.conversions.previews import preview_from_message, previews_message
-from ghc_controller.ros.time import time_from_seconds
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
+from ghc_controller.ros.wire.cdr import decode_tick, encode_tick
+from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.generators.contact_forces import ContactForceBounds as Generator
 from ghc_mpc_constraints.generators.contact_forces import ForceBoundSettings
 from ghc_mpc_constraints.generators.obstacle_motion import ObstacleBounds, ObstacleSettings
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.ros.conversions import (
-    header_of,
     in_force,
     measurement_message,
     schedule_message,
@@ -37,14 +39,14 @@ from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 
 
-@pytest.mark.parametrize("frame", ["", "0", "17", "a longer name than most"])
-def test_header_of_serialized_bytes(frame: str) -> None:
-    message = JointState(name=["a"], position=[1.0])
-    message.header.stamp.sec, message.header.stamp.nanosec = 12, 345_000_006
-    message.header.frame_id = frame
-    assert header_of(serialize_message(message)) == (12_345_000_006, frame)
-    with pytest.raises(InvalidValue, match="no message with a header"):
-        header_of(b"\x00\x01\x00")
+@pytest.mark.parametrize(("seconds", "epoch"), [(0, 0), (12, 1), (2**31 - 1, 2**64 - 1)])
+def test_a_tick_survives_the_wire(seconds: int, epoch: int) -> None:
+    start_ns = seconds * NANOSECONDS + 345_000_006
+    message = deserialize_message(encode_tick(start_ns, epoch), Tick)
+    assert (nanoseconds_from_time(message.start), message.epoch) == (start_ns, epoch)
+    assert decode_tick(bytes(serialize_message(message))) == (start_ns, epoch)
+    with pytest.raises(ValueError, match="no Tick"):
+        decode_tick(b"\x00\x01\x00")
 
 
 def test_schedule_round_trip_and_times_from_receipt() -> None:
@@ -99,7 +101,7 @@ def test_force_bounds_round_trip() -> None:
         generator.observe(ContactSchedule.checked(contact, [0.0, 0.2], [0.0, 0.0], upper), 0.0)
     plan = generator.tick(0.02).labeled("contact_forces", StaleRule.TIGHTEN, "a generator")
     message, whole = _sent(plan, 3)
-    assert whole.epoch == 3
+    assert (whole.epoch, whole.header.frame_id) == (3, "")
     again = preview_from_message(message, plan.start)
     assert again.valid_until == pytest.approx(0.32)
     assert np.array_equal(again.lower, plan.lower)
@@ -227,9 +229,12 @@ def _of(preview: Preview) -> dict[str, tuple[float, float]]:
 
 
 def test_bounds_in_force_of_the_controller() -> None:
-    message = ControllerState(
-        bounded_contacts=["left", "right"], contact_lower=[0.0, 1.0], contact_upper=[5.0, 6.0]
-    )
+    message = ControllerState()
+    message.contacts = [
+        ContactState(name="left", planned=True, lower=0.0, upper=5.0),
+        ContactState(name="hand", on=True, force=3.0),
+        ContactState(name="right", planned=True, lower=1.0, upper=6.0),
+    ]
     entry = PlannedMotion(id="box")
     entry.position[:] = [1.0, 2.0, 3.0]
     entry.acceleration[:] = [4.0, 5.0, 6.0]
@@ -249,9 +254,8 @@ def test_bounds_in_force_of_the_controller() -> None:
 
 
 def _state(stamp: float, lower: float, upper: float) -> bytes:
-    message = ControllerState(
-        bounded_contacts=["foot"], contact_lower=[lower], contact_upper=[upper]
-    )
+    message = ControllerState()
+    message.contacts = [ContactState(name="foot", planned=True, lower=lower, upper=upper)]
     message.header.stamp = time_from_seconds(stamp)
     return serialize_message(message)
 

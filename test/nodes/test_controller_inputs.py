@@ -198,8 +198,8 @@ def test_a_state_waits_for_the_plan_of_its_tick(
     robot.publish(0.01)
     robot.not_answered(0.01)
     robot.answered(0.01, both(0.01, 0.01))
-    robot.until(lambda: list(robot.state.bounded_contacts) == ["tool"])
-    assert robot.state.contact_upper[0] == 30.0
+    robot.until(lambda: [c.name for c in robot.state.contacts if c.planned] == ["tool"])
+    assert robot.state.contacts[0].upper == 30.0
 
 
 def test_of_a_plan_only_the_contact_that_the_robot_lacks_is_left_out(
@@ -218,8 +218,10 @@ def test_of_a_plan_only_the_contact_that_the_robot_lacks_is_left_out(
             robot.publish(stamp)
 
         robot.answered(stamp, send)
-    robot.until(lambda: list(robot.state.contact_upper) == [11.0] and robot.rejected(field) >= 20)
-    assert list(robot.state.bounded_contacts) == ["tool"]
+    robot.until(
+        lambda: [c.upper for c in robot.state.contacts] == [11.0] and robot.rejected(field) >= 20
+    )
+    assert [c.name for c in robot.state.contacts if c.planned] == ["tool"]
     assert robot.rejected("constraints/preview/contact_forces") == 0
     reason = f"{field}: unknown contact 'heel'; known: tool"
     assert 1 <= controller.output.count(reason) < 10
@@ -242,10 +244,10 @@ def test_a_malformed_plan_is_refused_as_a_whole_and_the_node_lives(
     robot.answered(0.0, send(0.0))
     robot.answered(0.01, send(0.01, upper=5.0, status=9))
     robot.until(lambda: robot.rejected("constraints/preview/contact_forces") > 0)
-    assert list(robot.state.contact_upper) == [30.0]
+    assert [c.upper for c in robot.state.contacts] == [30.0]
     assert "status 9 given; known: 0 (SMOOTHED), 1 (RAW)" in controller.output
     robot.answered(0.02, send(0.02, upper=6.0))
-    robot.until(lambda: list(robot.state.contact_upper) == [6.0])
+    robot.until(lambda: [c.upper for c in robot.state.contacts] == [6.0])
 
 
 def test_a_floating_base_needs_odometry_of_its_stamp(

@@ -10,19 +10,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from ghc_msgs.msg import (
     ControllerMode,
     ControllerState,
+    Epoch,
     PriorityMatrix,
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
+    TaskReferenceStatus,
     TransitionStatus,
 )
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 from ghc_controller.formulations import DEFAULT_FORMULATION
 from ghc_controller.ros.qos import (
@@ -33,6 +36,7 @@ from ghc_controller.ros.qos import (
     STREAM_QOS,
 )
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
+from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
 
 JOINTS = [f"joint_{i}" for i in range(1, 8)]
 HOME = [0.1, -0.4, 0.1, 1.4, 0.1, -1.0, 0.1]
@@ -51,28 +55,34 @@ class Robot:
         self.commands: list[JointState] = []
         self.statuses: list[TransitionStatus] = []
         self.states: list[ControllerState] = []
+        self.replies: list[TaskReferenceStatus] = []
         self.matrices: list[PriorityMatrix] = []
         self.time = 0.0
         create = self.node.create_publisher
         self._states = create(JointState, "joint_states", CONTROL_PUBLISHER_QOS)
         self._transitions = create(PriorityTransition, "ghc/priority_transition", RELIABLE_QOS)
+        self._epochs = create(Epoch, EPOCH_TOPIC, LATCHED_QOS)
         self._references = create(TaskReference, "ghc/task_reference", RELIABLE_QOS)
         listen = self.node.create_subscription
         listen(JointState, "joint_commands", self.commands.append, CONTROL_SUBSCRIBER_QOS)
         listen(TransitionStatus, "ghc/transition_status", self.statuses.append, RELIABLE_QOS)
+        listen(TaskReferenceStatus, "ghc/task_reference_status", self.replies.append, RELIABLE_QOS)
         listen(ControllerState, "ghc/controller_state", self.states.append, STREAM_QOS)
         listen(PriorityMatrix, "ghc/priority_matrix", self.matrices.append, LATCHED_QOS)
 
     def until(
-        self, condition: Callable[[], bool], again: Callable[[], None] | None = None
+        self,
+        condition: Callable[[], bool],
+        again: Callable[[], None] | None = None,
+        every: float = 0.1,
     ) -> None:
-        """Spin until `condition`, doing `again` every 0.1 s; fail after the deadline."""
+        """Spin until `condition`, doing `again` now and `every` so many seconds, or fail."""
         deadline, due = time.monotonic() + DEADLINE, 0.0
         while not condition():
             assert time.monotonic() < deadline, "nothing came"
             if again is not None and time.monotonic() > due:
                 again()
-                due = time.monotonic() + 0.1
+                due = time.monotonic() + every
             self._executor.spin_once(timeout_sec=0.02)
 
     def publish(self, **changes: Any) -> None:
@@ -80,11 +90,24 @@ class Robot:
         message = JointState(name=JOINTS, position=HOME, velocity=[0.0] * 7, effort=[0.0] * 7)
         message.header.stamp = time_from_seconds(self.time)
         for field, value in changes.items():
-            if field == "frame_id":
-                message.header.frame_id = value
-            else:
-                setattr(message, field, value)
+            setattr(message, field, value)
         self._states.publish(message)
+
+    def announce(self, number: int, start: float) -> None:
+        """A run begins at `start` [s]; the controller has heard so a while later."""
+        self._epochs.publish(Epoch(number=number, start=time_from_seconds(start)))
+        self.spin(0.2)
+
+    def spin(self, seconds: float) -> None:
+        """Let things happen for a while [s]."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def send(self, **fields: Any) -> None:
+        """Send a transition; its status is not waited for."""
+        self._transitions.publish(PriorityTransition(**fields))
+        self.spin(0.2)
 
     def answer(self, **changes: Any) -> JointState:
         """The command for a state at the present time (repeated until it comes)."""
@@ -105,10 +128,16 @@ class Robot:
         return self.answer(**changes)
 
     def ask(self, **fields: Any) -> list[TransitionStatus]:
-        """Send a transition; the statuses that came back for it first."""
-        count = len(self.statuses)
-        self._transitions.publish(PriorityTransition(**fields))
-        self.until(lambda: len(self.statuses) > count)
+        """Send a transition; the statuses that came back for it first.
+
+        It is sent again while nothing comes: a controller may not have heard of its sender yet.
+        """
+        count, request = len(self.statuses), PriorityTransition(**fields)
+        self.until(
+            lambda: len(self.statuses) > count,
+            lambda: self._transitions.publish(request),
+            every=3.0,
+        )
         return self.statuses[count:]
 
     def refer(self, message: TaskReference) -> None:
@@ -292,7 +321,6 @@ BAD_STATES: list[tuple[str, Any, str]] = [
     ("velocity", [float("inf")] + [0.0] * 6, "joint_states.velocity"),
     ("position", HOME[:5], "joint_states.position"),
     ("name", [*JOINTS[:6], "gripper"], "joint_states.name"),
-    ("frame_id", "base", "joint_states.frame_id"),
 ]
 
 
@@ -330,19 +358,29 @@ def test_repeated_state_same_command(robot: Robot) -> None:
     assert 0 not in stamps
 
 
-def test_new_epoch_starts_afresh(robot: Robot) -> None:
-    """After a reset time may run backwards; transitions of the past are gone."""
+def test_a_new_run_starts_afresh(robot: Robot) -> None:
+    """After a reset transitions of the past are gone, and what is stamped in it is refused."""
+    robot.announce(0, 0.0)
     robot.time = 5.0
     robot.answer()
     robot.ask(hierarchy="posture", duration=0.0)
     robot.step()
     robot.until(lambda: robot.matrices[-1].hierarchy == "posture", robot.publish)
-    robot.time = 0.0
-    robot.answer(frame_id="1")
+    robot.announce(1, 7.0)
+    early = Time(sec=7, nanosec=5_000_000)
+    robot.send(id="early", hierarchy="elbow", header=Header(stamp=early), duration=0.0)
+    robot.time = 7.0
+    robot.answer()
     robot.until(
-        lambda: robot.matrices[-1].hierarchy == "end_effector > elbow > posture",
-        lambda: robot.publish(frame_id="1"),
+        lambda: robot.matrices[-1].hierarchy == "end_effector > elbow > posture", robot.publish
     )
+    (status,) = robot.ask(id="late", hierarchy="posture", header=Header(stamp=Time(sec=6)))
+    assert status.id == "late"
+    assert "start 6 s given, which is of a run that has ended" in status.reason
+    assert [s.status for s in robot.statuses if s.id == "early"] == [TransitionStatus.ACCEPTED]
+    for _ in range(7):
+        robot.step()
+    robot.until(lambda: robot.matrices[-1].hierarchy == "elbow", robot.publish)
 
 
 def test_references(robot: Robot) -> None:
@@ -361,10 +399,43 @@ def test_references(robot: Robot) -> None:
         ),
         TaskReference(task="elbow", joints=JOINTS, points=good.points),
     ]
-    for message in bad:
+    for k, message in enumerate(bad):
+        message.id = f"bad {k}"
         robot.refer(message)
     robot.until(lambda: robot.count("rejected_ghc/task_reference") == len(bad), robot.step)
     assert _reference(robot) == [0.4, 0.1, 0.5]
+    robot.until(lambda: len(robot.replies) == 1 + len(bad))
+    first, *others = robot.replies
+    assert (first.status, first.task) == (TaskReferenceStatus.ACCEPTED, "end_effector")
+    assert [reply.id for reply in others] == [message.id for message in bad]
+    assert {reply.status for reply in others} == {TaskReferenceStatus.REJECTED}
+    assert all(reply.reason for reply in others)
+
+
+def test_a_reference_of_several_points_is_done_or_replaced(robot: Robot) -> None:
+    """Three periods long; the second one is replaced by a standing target after one."""
+    robot.step()
+    points = [
+        TaskReferencePoint(position=[0.4, 0.1, 0.5]),
+        TaskReferencePoint(position=[0.4, 0.1, 0.51], time_from_start=Duration(nanosec=3_000_000)),
+    ]
+    for name in ("first", "second"):
+        robot.refer(TaskReference(id=name, task="elbow", points=points))
+        robot.until(lambda: [r.id for r in robot.replies[-1:]] == [name])  # noqa: B023
+        robot.step()
+        if name == "second":
+            robot.refer(TaskReference(id="third", task="elbow", points=points[:1]))
+            robot.until(lambda: robot.replies[-1].id == "third")
+        for _ in range(4):
+            robot.step()
+    robot.until(lambda: len(robot.replies) == 5)
+    assert [(r.id, r.status) for r in robot.replies] == [
+        ("first", TaskReferenceStatus.ACCEPTED),
+        ("first", TaskReferenceStatus.DONE),
+        ("second", TaskReferenceStatus.ACCEPTED),
+        ("third", TaskReferenceStatus.ACCEPTED),
+        ("second", TaskReferenceStatus.REPLACED),
+    ]
 
 
 def test_torque_stays_inside_rate_and_limits(
@@ -396,14 +467,15 @@ def test_a_run_whose_first_state_is_refused_begins_with_the_next_one(
     robot.answer()
     assert robot.ask(hierarchy="posture > elbow", duration=0.0)[0].reason == ""
     robot.until(lambda: modes[-1].mode == ControllerMode.ACTIVE)
-    robot.time = 0.0
-    outside = partial(robot.publish, frame_id="1", position=[0.1, 3.0, *HOME[2:]])
+    robot.announce(1, 7.0)
+    robot.time = 7.0
+    outside = partial(robot.publish, position=[0.1, 3.0, *HOME[2:]])
     robot.until(lambda: modes[-1].mode == ControllerMode.WAITING, outside)
     assert "joint_2" in modes[-1].reason
     assert "waiting" in robot.ask(hierarchy="posture")[0].reason
-    robot.answer(frame_id="1")
+    robot.answer()
     robot.until(lambda: modes[-1].mode == ControllerMode.HOLDING)
-    robot.step(frame_id="1")
+    robot.step()
     robot.until(lambda: list(robot.matrices[-1].alpha) == list(robot.matrices[0].alpha))
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from builtin_interfaces.msg import Time
-from ghc_msgs.msg import ConstraintPreviews, ObstacleState, ObstacleStateArray
+from ghc_msgs.msg import ConstraintPreviews, Epoch, ObstacleState, ObstacleStateArray, Tick
 from rclpy.node import Node
 from std_msgs.msg import Header
 
@@ -38,7 +38,7 @@ class World:
         while time.monotonic() < end:
             self.now = round(self.now + 0.01, 9)
             self.session.obstacles.publish(self.array(time_from_seconds(self.now)))
-            self.session.ticks.publish(Header(stamp=time_from_seconds(self.now), frame_id="0"))
+            self.session.ticks.publish(Tick(start=time_from_seconds(self.now)))
             self.session.spin(0.01)
         return list(self.plans)
 
@@ -79,8 +79,9 @@ def _newest(plans: list[ConstraintPreviews]) -> float:
 def test_forged_stamps(world: World, stamp: Time) -> None:
     """A tick of another time, one of another epoch, an empty obstacle array of the future."""
     session = world.session
-    session.ticks.publish(Header(stamp=stamp, frame_id="0"))
-    session.ticks.publish(Header(stamp=stamp, frame_id="999999"))
+    session.ticks.publish(Tick(start=stamp))
+    session.ticks.publish(Tick(start=stamp, epoch=999_999))
+    session.epochs.publish(Epoch(start=stamp, number=999_999))
     session.obstacles.publish(world.array(stamp, obstacles=0))
     plans = world.run(1.0)
     assert len(plans) > 20

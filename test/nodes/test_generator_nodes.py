@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,25 +15,29 @@ from ghc_msgs.msg import (
     ConstraintPreview,
     ConstraintPreviews,
     ContactSchedule,
+    ContactState,
     ControllerState,
+    Epoch,
     ObstacleState,
     ObstacleStateArray,
     PlannedMotion,
+    Tick,
 )
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from std_msgs.msg import Header
 
 from ghc_controller.previews.preview import Preview
 from ghc_controller.ros.conversions.previews import preview_from_message
 from ghc_controller.ros.qos import (
     CONTROL_PUBLISHER_QOS,
+    LATCHED_QOS,
     PREVIEW_QOS,
     SCHEDULE_QOS,
     SENSOR_PUBLISHER_QOS,
     STREAM_QOS,
 )
 from ghc_controller.ros.time import nanoseconds_from_time, seconds_from_time, time_from_seconds
+from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
 from ghc_mpc_constraints.generators.contact_forces import ContactForceBounds as Generator
 from ghc_mpc_constraints.generators.contact_forces import ForceBoundSettings
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
@@ -71,9 +76,10 @@ class Surroundings:
         self.reports = 0  # diagnostics that came
         self.plans: list[Planned] = []
         self.diagnostics: dict[str, str] = {}
-        self.epoch = "0"
+        self.epoch = 0
         create, listen = self.node.create_publisher, self.node.create_subscription
-        self.ticks = create(Header, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        self.ticks = create(Tick, "ghc/tick", CONTROL_PUBLISHER_QOS)
+        self.epochs = create(Epoch, EPOCH_TOPIC, LATCHED_QOS)
         self.schedules = create(ContactSchedule, "constraints/contact_schedule", SCHEDULE_QOS)
         self.sensor = create(ObstacleStateArray, "constraints/obstacles", SENSOR_PUBLISHER_QOS)
         self.controller = create(ControllerState, "ghc/controller_state", STREAM_QOS)
@@ -110,7 +116,7 @@ class Surroundings:
 
     def announce(self, now: float) -> None:
         """Publish one tick as the controller does."""
-        self.ticks.publish(Header(stamp=time_from_seconds(now), frame_id=self.epoch))
+        self.ticks.publish(Tick(start=time_from_seconds(now), epoch=self.epoch))
 
     def tick(self, now: float, again: Callable[[], None] | None = None) -> Any:
         """The plan of a tick (announced again until it comes)."""
@@ -125,7 +131,7 @@ class Surroundings:
         def answered() -> bool:
             return any(
                 nanoseconds_from_time(plan.header.stamp) == wanted
-                and plan.message.epoch == int(self.epoch)
+                and plan.message.epoch == self.epoch
                 for plan in self.plans[count:]
             )
 
@@ -138,6 +144,7 @@ class Surroundings:
             contact_schedule.ContactSchedule.checked("foot", [0.0], [0.0], [1.0])
         )
         message.times, message.lower, message.upper = times, [0.0] * len(times), upper
+        message.header.stamp = change.pop("stamp", message.header.stamp)
         for name, value in change.items():
             setattr(message, name, value)
         self.schedules.publish(message)
@@ -184,6 +191,12 @@ def start(world: Surroundings, start_node: Callable[..., Any]) -> Callable[..., 
     return start
 
 
+def _bounded(lower: float, upper: float) -> ControllerState:
+    """What the controller says of the contact `foot`."""
+    foot = ContactState(name="foot", planned=True, lower=lower, upper=upper)
+    return ControllerState(contacts=[foot])
+
+
 def _foot(times: list[float], upper: list[float]) -> contact_schedule.ContactSchedule:
     return contact_schedule.ContactSchedule.checked("foot", times, [0.0] * len(times), upper)
 
@@ -220,8 +233,8 @@ def test_a_repeated_tick_gets_the_same_plan_and_others_none(
     assert stamps == {0, 10_000_000, 20_000_000}
     world.announce(0.037)  # the tick of 0.03 was missed: it is made up for
     world.until(lambda: nanoseconds_from_time(world.plans[-1].header.stamp) == 30_000_000)
-    world.epoch = "1"  # the robot starts again
-    assert world.tick(0.0).upper[0] == 50.0
+    world.epoch = 1  # the robot starts again
+    assert world.tick(0.0).rows == []
 
 
 BAD: list[tuple[dict[str, Any], str]] = [
@@ -267,25 +280,35 @@ def test_a_schedule_is_used_from_the_time_at_which_it_is_known(
     assert last[10:] == [10.0] * 2
 
 
-def test_every_epoch_is_planned_from_the_script(world: Surroundings, start: Any) -> None:
-    """A schedule known from 0.15 s, when the first entry is past, does not reach into the next."""
-    start("contact_force_bounds", horizon=0.5, lockstep="true")
-    world.tick(0.0)
-    world.schedule([0.0, 0.1, 0.2], [40.0, 0.0, 40.0])
-    world.schedule([0.25], [10.0], known_from=time_from_seconds(0.15))
-    world.until(lambda: world.plans[-1].rows == ["foot"], lambda: world.announce(0.0))
-    epochs = []
-    for epoch in "012":
+def test_every_run_is_planned_alike_and_stale_schedules_are_refused(
+    world: Surroundings, start: Any
+) -> None:
+    """The script is sent before the first tick of its run, with its stamps; one is known later."""
+    node = start("contact_force_bounds", horizon=0.5, lockstep="true")
+    runs = []
+    for epoch, began in enumerate((0.0, 2.0, 7.0)):
+        world.epochs.publish(Epoch(start=time_from_seconds(began), number=epoch))
+        if epoch == 0:
+            world.tick(began)
+        else:
+            world.spin(0.2)
         world.epoch = epoch
-        epochs.append([world.tick(k * STEP) for k in range(30)])
-    for first, *others in zip(*epochs, strict=True):
+        stamp = time_from_seconds(max(began, 1e-9))
+        known = time_from_seconds(began + 0.15)
+        world.schedule([0.0, 0.1, 0.2], [40.0, 0.0, 40.0], stamp=stamp)
+        world.schedule([0.25], [10.0], stamp=stamp, known_from=known)
+        world.until(lambda: world.plans[-1].rows == ["foot"], partial(world.announce, began))
+        runs.append([world.tick(began + k * STEP) for k in range(30)])
+    for first, *others in zip(*runs, strict=True):
         for other in others:
             assert list(other.active) == list(first.active)
-            assert list(other.lower) == list(first.lower)
-            assert list(other.upper) == list(first.upper)
-    assert epochs[2][0].upper[0] == 40.0
-    assert epochs[2][14].upper[-1] > 20.0
-    assert epochs[2][15].upper[-1] <= 10.0
+            np.testing.assert_allclose(other.lower, first.lower, atol=1e-9)
+            np.testing.assert_allclose(other.upper, first.upper, rtol=1e-9, atol=1e-9)
+    assert runs[2][0].upper[0] == 40.0
+    assert runs[2][14].upper[-1] > 20.0
+    assert runs[2][15].upper[-1] <= 10.0
+    world.schedule([0.0], [3.0], stamp=time_from_seconds(2.5))
+    node.wait_for_output("stamp 2.5 s given, which is of a run that has ended")
 
 
 def test_a_restarted_generator_takes_over_from_the_bound_in_force(
@@ -301,8 +324,7 @@ def test_a_restarted_generator_takes_over_from_the_bound_in_force(
     node.wait()
     start("contact_force_bounds", horizon=0.5, take_over_timeout=10.0)
     lower, upper = plan.at(0.25)
-    in_force = ControllerState(bounded_contacts=["foot"])
-    in_force.contact_lower, in_force.contact_upper = [float(lower[0])], [float(upper[0])]
+    in_force = _bounded(float(lower[0]), float(upper[0]))
     again = world.tick(0.25, lambda: world.controller.publish(in_force))
     assert again.upper[0] == pytest.approx(upper[0], abs=1e-12)
     assert 0.0 < again.upper[0] < 40.0
@@ -313,8 +335,7 @@ def test_a_restarted_generator_does_not_follow_a_schedule_that_was_replaced(
 ) -> None:
     """The topic keeps both; the second comes 0.1 s after the first, while ticks go on."""
     node = start("contact_force_bounds", horizon=0.5, take_over_timeout=10.0)
-    in_force = ControllerState(bounded_contacts=["foot"])
-    in_force.contact_lower, in_force.contact_upper = [0.0], [20.0]
+    in_force = _bounded(0.0, 20.0)
     begun = time.monotonic()
     sent = 0
     while not world.plans:
@@ -333,8 +354,7 @@ def test_a_contact_that_nobody_schedules_any_more_stays_as_it_is(
 ) -> None:
     """The planner has gone as well: the bounds in force, not those of the robot's file."""
     start("contact_force_bounds", horizon=0.5, take_over_timeout=1.0)
-    in_force = ControllerState(bounded_contacts=["foot"])
-    in_force.contact_lower, in_force.contact_upper = [0.0], [20.0]
+    in_force = _bounded(0.0, 20.0)
     plan = world.tick(5.0, lambda: world.controller.publish(in_force))
     assert plan.rows == ["foot"]
     assert set(plan.upper) == {20.0}

@@ -47,9 +47,9 @@ class Client:
         listen(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def _on_state(self, message: ControllerState) -> None:
-        if message.bounded_contacts:
+        if message.contacts and message.contacts[0].planned:
             stamp = nanoseconds_from_time(message.header.stamp) * 1e-9
-            self.bounds.append((stamp, message.contact_upper[0]))
+            self.bounds.append((stamp, message.contacts[0].upper))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ pytestmark = pytest.mark.timeout(400)
 
 ROBOT, SCENE, SCENARIO = "planar_plugin_arm", "planar_plugin_room", "planar_plugin_fold"
 FORMULATION = "flat_least_squares"
+START = {"shoulder": 0.2, "elbow": 0.8, "wrist": 0.5}  # [rad] as in its scene
 DURATION = 1.5  # [s] simulated; the error of the task has poles at -10 1/s, twice
 
 
@@ -69,7 +70,7 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
     controller = start_node(
         "ghc_controller",
         "controller",
-        *_parameters(robot=robot, formulation=FORMULATION, arming="automatic"),
+        *_parameters(robot=robot, formulation=FORMULATION, arming="automatic", last_share=0.5),
     )
     controller.wait_for_output("ready", 300.0)
     bridge = start_node(
@@ -82,7 +83,10 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
         assert controller.exit_code is None, controller.output
         assert bridge.exit_code is None, bridge.output
         reports = listener.reports
-        return bool(reports) and nanoseconds_from_time(reports[-1].header.stamp) >= DURATION * 1e9
+        return (
+            bool(reports and listener.states)
+            and nanoseconds_from_time(reports[-1].header.stamp) >= DURATION * 1e9
+        )
 
     listener.until(finished, f"a report at {DURATION:g} s", 180.0)
     first, last = listener.reports[0], listener.reports[-1]
@@ -92,6 +96,46 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
     assert abs(last.tasks[0].error[0]) < 1e-4
     assert abs(sum(listener.states[-1].position) - 1.2) < 1e-4
     assert all(report.status == ControllerState.SOLVED for report in listener.reports)
+
+
+def test_its_constraint_and_its_contact_hold_over_dds(
+    plugin: Path, start_node: Callable[..., Any], listener: Listener
+) -> None:
+    """The fold stops at its bound instead of its reference, with the hand at its height."""
+    controller = start_node(
+        "ghc_controller",
+        "controller",
+        *_parameters(robot="planar_guarded_arm", arming="automatic"),
+    )
+    controller.wait_for_output("ready", 300.0)
+    bridge = start_node(
+        "ghc_sim_bridge", "sim_bridge", *_parameters(scene=SCENE, torque_rate_limit=0.0)
+    )
+
+    def finished() -> bool:
+        assert controller.exit_code is None, controller.output
+        assert bridge.exit_code is None, bridge.output
+        reports, states = listener.reports, listener.states
+        return bool(reports and states) and all(
+            nanoseconds_from_time(heard[-1].header.stamp) >= DURATION * 1e9
+            for heard in (reports, states)
+        )
+
+    listener.until(finished, f"a report at {DURATION:g} s", 180.0)
+    last = listener.states[-1]
+    assert abs(sum(last.position) - 1.3) < 1e-3
+    assert min(sum(state.position) for state in listener.states) > 1.3 - 1e-4
+    height = _height(list(START), list(START.values()))
+    assert abs(_height(last.name, last.position) - height) < 1e-3
+    active = {name for report in listener.reports for name in report.active_constraints}
+    assert "guard" in active
+    assert all(report.status == ControllerState.SOLVED for report in listener.reports)
+
+
+def _height(names: Sequence[str], position: Sequence[float]) -> float:
+    """Of the hand [m], by the lengths of the links."""
+    angles = np.cumsum([position[names.index(name)] for name in ("shoulder", "elbow", "wrist")])
+    return float(np.cos(angles) @ [0.4, 0.3, 0.2])
 
 
 def test_its_scenario_runs_by_name(
@@ -117,6 +161,21 @@ def test_names_that_do_not_exist_are_rejected_with_those_of_the_package(
         assert node.wait(120.0) != 0
         (line,) = [line for line in node.output.splitlines() if f"unknown {kind}" in line]
         assert known in line
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"formulation": FORMULATION, "last_share": 0}, "'last_share': a number above 0 expected"),
+        ({"formulation": "cascade", "last_share": 0.5}, "unknown parameter 'last_share'"),
+    ],
+)
+def test_settings_of_its_formulation_are_checked_and_belong_to_it_alone(
+    plugin: Path, start_node: Callable[..., Any], values: dict[str, object], words: str
+) -> None:
+    node = start_node("ghc_controller", "controller", *_parameters(robot=ROBOT, **values))
+    assert node.wait(120.0) == 2
+    assert words in node.output
 
 
 def test_a_package_that_cannot_be_imported_is_named(

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from ghc_msgs.msg import TransitionStatus
+from printed import words
 
 from ghc_controller.ros.time import time_from_seconds
 from ghc_controller.ros.transition import main, status_line
@@ -22,11 +23,6 @@ def robot(start_node: Callable[..., Any]) -> Callable[..., Any]:
     hierarchy = ("-p", "hierarchy:='elbow > posture'")
     start_node("ghc_controller", "controller", "--ros-args", "-p", "robot:=kuka_lwr", *hierarchy)
     return lambda *arguments: start_node("ghc_controller", "transition", *arguments)
-
-
-def words(output: str) -> list[str]:
-    """The statuses of an output, in order: what stands after the time, single-spaced."""
-    return [" ".join(line.split(" s  ", 1)[1].split()) for line in output.splitlines()]
 
 
 def test_a_transition_is_followed_to_its_end(robot: Callable[..., Any]) -> None:

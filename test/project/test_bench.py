@@ -195,14 +195,14 @@ def test_the_loop_with_generators_uses_their_plans(ros_context: Any, tmp_path: P
         executor.spin_once(timeout_sec=0.05)
     executor.shutdown()
     node.destroy_node()
-    assert states[-1].bounded_contacts == ["tool"]
+    assert [c.name for c in states[-1].contacts if c.planned] == ["tool"]
     generator = ContactForceBounds(ForceBoundSettings())
     generator.observe(loop_generators.schedule(), 0.0)  # known before time runs
     ticks = round(nanoseconds_from_time(states[-1].header.stamp) / 1e7)
     assert 100 < ticks <= 130
     plans = [generator.tick(0.01 * k) for k in range(ticks + 1)]
-    assert states[-1].contact_upper[0] == pytest.approx(plans[-1].upper[0, 0], rel=1e-9)
-    assert 20.0 <= states[-1].contact_upper[0] < 60.0
+    assert states[-1].contacts[0].upper == pytest.approx(plans[-1].upper[0, 0], rel=1e-9)
+    assert 20.0 <= states[-1].contacts[0].upper < 60.0
     assert [obstacle.id for obstacle in states[-1].obstacles] == ["wall"]
     assert states[-1].obstacles[0].position[1] < 0.4
     log = FullRateLog.load(tmp_path / "events_generators" / "log.npz")

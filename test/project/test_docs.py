@@ -78,6 +78,7 @@ def test_topics_and_services_are_those_of_running_nodes(
     mirror = ("-p", "mirror_commands:=true")
     start_node("ghc_controller", "controller", "--ros-args", "-p", "robot:=kuka_lwr", *mirror)
     start_node("ghc_controller", "reachable_targets", "--ros-args", "-p", "robot:=kuka_lwr")
+    start_node("ghc_sim_bridge", "display_publisher", "--ros-args", "-p", "robot:=kuka_lwr")
     for generator in ("contact_forces", "obstacle_motion", "joint_limits", "torque_limits"):
         chosen = ("--ros-args", "-p", f"generator:={generator}")
         start_node("ghc_mpc_constraints", "generator", *chosen)

@@ -14,6 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
     [
         *("lock-py3.11", "lock-py3.12", "lock-noros-py3.12", "uv"),
         *("study-models-py3.11", "cluster-py3.11", "cluster-py3.12"),
+        *("docs-py3.11", "docs-py3.12"),
     ],
 )
 def test_every_locked_package_has_a_hash(name: str) -> None:

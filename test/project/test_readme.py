@@ -21,13 +21,14 @@ from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.hierarchy import matrix_from_hierarchy
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
+from ghc_controller.ros.by_hand.reference import _parser as reference_arguments
 from ghc_controller.ros.conversions.requests import reference_from_message, transition_from_message
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.transition import _parser as transition_arguments
 from ghc_controller.schema.declared import flat
 from ghc_sim_bridge.analysis.phase_table import phase_table
 from ghc_sim_bridge.bridge.realtime import FRESH_COMMANDS_TO_RESUME
-from ghc_sim_bridge.ros.parameters import BridgeParameters
+from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.run.executables import find_executable
 from ghc_sim_bridge.scenario.scenario import load_scenario
 
@@ -107,13 +108,18 @@ def test_runs_name_scenarios_and_formulations_that_exist() -> None:
 
 def test_nodes_by_hand_have_these_executables_and_parameters() -> None:
     starts = [shlex.split(c) for c in COMMANDS if c.startswith("python tools/ros2_run.py")]
-    executables = ["sim_bridge", "controller", "transition", "reachable_targets"]
+    executables = ["sim_bridge", "controller", "viewer", "reference", "transition"]
+    executables.append("reachable_targets")
     assert [words[3] for words in starts] == executables
     for _, _, package, executable, *arguments in starts:
         assert find_executable(package, executable).is_file()
         if executable == "transition":
             options = transition_arguments().parse_args(arguments)
             matrix_from_hierarchy(ROBOT.task_names, options.hierarchy)
+        elif executable == "reference":
+            options = reference_arguments().parse_args(arguments)
+            task = next(task for task in ROBOT.tasks if task.name == options.task)
+            assert len(options.position) == task.position_size
         else:
             names = {entry.name for entry in flat(NODES[executable])}
             given = [word.partition(":=")[0] for word in arguments if ":=" in word]

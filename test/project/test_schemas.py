@@ -36,8 +36,12 @@ SHIPPED = [(kind, file) for kind, files in FILES.items() for file in files]
 
 def schema_of(kind: str) -> dict[str, Any]:
     text = (FOLDER / f"{kind}.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, Any] = json.loads(text)
+    schema: dict[str, Any] = json.loads(text, parse_constant=_no_constant)
     return schema
+
+
+def _no_constant(name: str) -> None:
+    raise AssertionError(f"{name} is no JSON")
 
 
 def found(kind: str, values: Any) -> list[str]:

@@ -42,33 +42,39 @@ class ColconBuild(Step):
         names = self.packages()
         self.context.run(
             [str(self.layout.python), colcon, "build", "--symlink-install"]
-            + ["--base-paths", str(self.layout.source), "--packages-select", *names, *more],
+            + ["--base-paths", str(self.layout.source), str(self.layout.wheel_interfaces)]
+            + ["--packages-select", *names, *more],
             environment,
             f"colcon could not build {', '.join(names)}; the whole log: log/latest_build/",
         )
 
 
 class Messages(ColconBuild):
-    """ghc_msgs: type support in C and C++, about a minute."""
+    """ghc_msgs, and what the wheels lack: type support in C and C++, about a minute."""
 
     title = f"{MESSAGES} (compiled, about a minute)"
 
     def packages(self) -> Sequence[str]:
-        return [MESSAGES]
+        return [path.name for path in self._folders()]
+
+    def _folders(self) -> Sequence[Path]:
+        return self.layout.interfaces(self.context.way)
 
     def key(self) -> str:
-        files = [*files_below(self.layout.messages()), self.layout.wheel_includes]
+        files = [path for folder in self._folders() for path in files_below(folder)]
+        files.append(self.layout.wheel_includes)
         return key_of([*files, self.context.lock()], self.context.venv_version(), self.layout.root)
 
     def stamp(self) -> Stamp:
         return Stamp(self.layout.build / f".{MESSAGES}_stamp")
 
     def outputs(self) -> Sequence[Path]:
-        share = self.layout.install / MESSAGES / "share"
-        return [
-            share / "ament_index" / "resource_index" / "packages" / MESSAGES,
-            share / MESSAGES / "package.sh",
-        ]
+        found: list[Path] = []
+        for name in self.packages():
+            share = self.layout.install / name / "share"
+            found.append(share / "ament_index" / "resource_index" / "packages" / name)
+            found.append(share / name / "package.sh")
+        return found
 
     def run(self) -> None:
         checks.check_compiler(self.context.machine)

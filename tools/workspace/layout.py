@@ -67,6 +67,28 @@ class Layout:
         """The lock file of what `make compare` needs for other machines."""
         return self.root / "requirements" / f"cluster-py{version[0]}.{version[1]}.txt"
 
+    def peer_lock(self, peer: str, version: tuple[int, ...]) -> Path:
+        """The lock file of a controller of others that `make bench` measures beside ours."""
+        return self.root / "requirements" / f"peers-{peer}-py{version[0]}.{version[1]}.txt"
+
+    def peer_environment(self, peer: str) -> Path:
+        """The virtual environment that holds it."""
+        return self.venv / "peers" / peer
+
+    def docs_lock(self, version: tuple[int, ...]) -> Path:
+        """The lock file of what `make docs` builds the site with."""
+        return self.root / "requirements" / f"docs-py{version[0]}.{version[1]}.txt"
+
+    @property
+    def docs_venv(self) -> Path:
+        """Environment of `make docs`: in front of .venv, whose packages it sees."""
+        return self.venv / "docs"
+
+    @property
+    def site(self) -> Path:
+        """Where `make docs` writes the site."""
+        return self.build / "site"
+
     def python_packages(self) -> list[Path]:
         """The packages of src/ that setup.py installs (ament_python)."""
         return sorted(path.parent for path in self.source.glob("*/setup.py"))
@@ -89,3 +111,13 @@ class Layout:
     def messages(self) -> Path:
         """The package with the interfaces."""
         return self.source / MESSAGES
+
+    @property
+    def wheel_interfaces(self) -> Path:
+        """Folder of the interface packages that are missing among the wheels."""
+        return self.root / "tools" / "wheel_interfaces"
+
+    def interfaces(self, way: Way) -> list[Path]:
+        """All packages with interfaces that a way builds."""
+        found = sorted(path.parent for path in self.wheel_interfaces.glob("*/package.xml"))
+        return [*(found if way is Way.WHEELS else []), self.messages()]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from benchmarks.compare.case import Case
 from benchmarks.compare.cases import CASES
 from benchmarks.compare.method import REFERENCE
-from benchmarks.compare.pages.verdict import Loss, Verdict, judge
+from benchmarks.compare.pages.assessment import Assessment, Loss, judge
 from benchmarks.compare.store import Results
 from ghc_sim_bridge.programs.markdown import number, table
 
@@ -17,23 +17,23 @@ _NAMES = ", ".join(f"`{name}`" for name in _QP_PER_LEVEL)
 
 
 class Judged(NamedTuple):
-    """The verdicts of one case by method."""
+    """The assessments of one case by method."""
 
     case: Case
-    verdicts: dict[str, Verdict]
+    assessments: dict[str, Assessment]
 
 
 def judged(results: Results) -> Iterator[Judged]:
-    """Verdicts of every case that the reference has a result of."""
+    """Assessments of every case that the reference has a result of."""
     for name, by_method in results.items():
         if REFERENCE not in by_method:
             continue
         case = CASES[name]
         found = {
-            method: verdict
+            method: assessment
             for method, result in by_method.items()
             if method != REFERENCE
-            and (verdict := judge(case, by_method[REFERENCE], result)) is not None
+            and (assessment := judge(case, by_method[REFERENCE], result)) is not None
         }
         if found:
             yield Judged(case, found)
@@ -42,18 +42,18 @@ def judged(results: Results) -> Iterator[Judged]:
 def first_screen(results: Results) -> str:
     """A sentence with counts, then the table of exceptions."""
     cases = list(judged(results))
-    accurate = [each for each in cases if not any(v.plain for v in each.verdicts.values())]
-    cheap = [each for each in cases if not any(v.more_qps for v in each.verdicts.values())]
-    pairs = [verdict for each in cases for verdict in each.verdicts.values()]
-    good = sum(not verdict.plain for verdict in pairs)
-    fewer = sum(not verdict.more_qps for verdict in pairs)
+    accurate = [each for each in cases if not any(v.plain for v in each.assessments.values())]
+    cheap = [each for each in cases if not any(v.more_qps for v in each.assessments.values())]
+    pairs = [assessment for each in cases for assessment in each.assessments.values()]
+    good = sum(not assessment.plain for assessment in pairs)
+    fewer = sum(not assessment.more_qps for assessment in pairs)
     levels = [
-        verdict
+        assessment
         for each in cases
-        for method, verdict in each.verdicts.items()
+        for method, assessment in each.assessments.items()
         if method in _QP_PER_LEVEL
     ]
-    fewer_there = sum(not verdict.more_qps for verdict in levels)
+    fewer_there = sum(not assessment.more_qps for assessment in levels)
     lines = [
         [each.case.title, _less_accurate(each), _more_qps(each)]
         for each in cases
@@ -77,9 +77,9 @@ def first_screen(results: Results) -> str:
 def _less_accurate(each: Judged) -> str:
     """The worst task for each method; methods with the same figures together."""
     found: dict[str, list[str]] = {}
-    for method, verdict in each.verdicts.items():
-        if verdict.plain:
-            found.setdefault(_shown(worst(verdict.plain)), []).append(method)
+    for method, assessment in each.assessments.items():
+        if assessment.plain:
+            found.setdefault(_shown(worst(assessment.plain)), []).append(method)
     return "; ".join(f"{', '.join(names)} ({text})" for text, names in found.items()) or "–"
 
 
@@ -87,10 +87,10 @@ def _more_qps(each: Judged) -> str:
     """Methods by their QPs; the reference has the same number in each."""
     found: dict[str, list[str]] = {}
     own = ""
-    for method, verdict in each.verdicts.items():
-        if verdict.more_qps:
-            own = number(verdict.qps)
-            found.setdefault(number(verdict.other_qps), []).append(method)
+    for method, assessment in each.assessments.items():
+        if assessment.more_qps:
+            own = number(assessment.qps)
+            found.setdefault(number(assessment.other_qps), []).append(method)
     text = "; ".join(f"{', '.join(names)} ({qps})" for qps, names in found.items())
     return f"{own} against {text}" if text else "–"
 
@@ -109,8 +109,8 @@ def given_up(results: Results) -> str:
     """Tasks of a lower level on which another method is ahead after it lost a level above."""
     lines = []
     for each in judged(results):
-        for method, verdict in each.verdicts.items():
-            losses = tuple(loss for loss in verdict.losses if loss.given_up)
+        for method, assessment in each.assessments.items():
+            losses = tuple(loss for loss in assessment.losses if loss.given_up)
             if losses:
                 lines.append([each.case.title, method, str(len(losses)), _shown(worst(losses))])
     head = ["case", "formulation", "tasks", f"the largest (`{REFERENCE}` / other)"]

@@ -13,7 +13,7 @@ from matplotlib.ticker import NullFormatter
 from benchmarks.compare.case import GROUPS, Case
 from benchmarks.compare.cases import CASES
 from benchmarks.compare.method import METHODS, REFERENCE, UNDAMPED
-from benchmarks.compare.pages.verdict import LEAST, RATIO
+from benchmarks.compare.pages.assessment import LEAST, RATIO
 from benchmarks.compare.store import Results
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
 

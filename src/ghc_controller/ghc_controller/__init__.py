@@ -6,7 +6,6 @@ Names are loaded when they are first used, so that a program pays for what it us
 from __future__ import annotations
 
 import sys
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -85,15 +84,9 @@ __all__ = ["__version__", *_HOMES]
 
 
 def __getattr__(name: str) -> object:
-    if name not in _HOMES:
-        from ghc_controller.migration.names import Kind, hint  # not before it is needed
+    from ghc_controller.migration.public_names import load_name  # not before it is needed
 
-        words = hint(Kind.NAME, name)
-        reason = f"'{name}': {words}" if words else f"'{name}'"
-        raise AttributeError(f"module '{__name__}' has no attribute {reason}")
-    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-    globals()[name] = value  # the next use costs no look-up
-    return value
+    return load_name(__name__, _HOMES, name)
 
 
 def __dir__() -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ghc_controller.contacts import Contact
+from ghc_controller.contacts.registry import make_contact
 from ghc_controller.controller import Controller
 from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.robot.library import ROBOTS, find_robot
@@ -29,18 +29,19 @@ _CONTACTS: tuple[dict[str, object], ...] = (
 def every_kind_of_task() -> Robot:
     """A robot of this package with a task of every kind, one of them with force control."""
     robot = load_robot_config(_robot_file())
-    frame = robot.model.frame_names[-1]
+    first, frame = robot.model.frame_names[0], robot.model.frame_names[-1]
     force = {"axes": ["z"], "contact": frame, "integral": 1.0}
     entries: list[dict[str, object]] = [
         {"name": "position", "kind": "frame_position", "frame": frame, "force": force},
         {"name": "orientation", "kind": "frame_orientation", "frame": frame},
         {"name": "pose", "kind": "frame_pose", "frame": frame},
+        {"name": "seen", "kind": "relative_pose", "frame": frame, "relative_to": first},
         {"name": "mass", "kind": "center_of_mass"},
         {"name": "joints", "kind": "posture"},
     ]
     tasks = tuple(make_task(Fields(entry | _GAINS, __name__), robot.model) for entry in entries)
     contacts = tuple(
-        Contact.from_config(Fields({"frame": frame} | entry, __name__), robot.model)
+        make_contact(Fields({"frame": frame} | entry, __name__), robot.model)
         for entry in _CONTACTS
     )
     hierarchy = " > ".join(task.name for task in tasks)

@@ -9,16 +9,18 @@ from time import perf_counter
 
 import numpy as np
 
-from ghc_controller.constraints.obstacle import ObstacleDistance
+from ghc_controller.constraints import ObstacleDistance
 from ghc_controller.contacts import (
     BoundsInForce,
     ContactSensing,
     ContactSet,
+    FrictionCone,
     NormalBounds,
+    NormalForce,
     solve_settled,
 )
-from ghc_controller.control.account import Account
 from ghc_controller.control.requests import Requests
+from ghc_controller.control.status import StatusReports
 from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy import (
@@ -49,7 +51,7 @@ from ghc_controller.types import Array, Dynamics, RobotState
 from ghc_controller.warm_up import warm_up
 
 
-class Controller(Requests, Account):
+class Controller(Requests, StatusReports):
     """Generalized hierarchical control of one robot.
 
     Each `step` goes one way: state, tasks and constraints, priority matrix, formulation, output
@@ -66,14 +68,16 @@ class Controller(Requests, Account):
         self.model = robot.model
         self.references = ReferenceSchedule(robot.tasks)
         self.stack = TaskStack(robot.tasks, self.model.nv)
-        self.constraints = make_constraints(robot, self.settings)
         self.contacts = ContactSet(
             robot.contacts, self.model.weight if self.model.floating_base else 0.0
         )
+        self.constraints = make_constraints(
+            robot, self.settings, (NormalForce(self.contacts), FrictionCone(self.contacts))
+        )
         self.force_bounds = BoundsInForce(robot.contacts)
         self.sensing = ContactSensing(robot.contacts, self.force_bounds)
-        self.obstacles = ObstacleDistance(self.model, self.settings.obstacle_horizon)
-        followers: list[Follower] = [self.force_bounds, self.obstacles, *self.constraints.limits]
+        self.obstacles = self.constraints.one_of(ObstacleDistance)
+        followers: list[Follower] = [self.force_bounds, *self.constraints.following]
         self._followers = {one.kind: one for one in followers}
         self.force_references = ReferenceSchedule(
             [contact.force_task for contact in robot.contacts if contact.force_task is not None]
@@ -82,6 +86,7 @@ class Controller(Requests, Account):
             self.settings.formulation,
             self.settings.optimization,
             make_solver(self.settings.qp_solver, self.settings.solving),
+            self.settings.own,
         )
         self.gate = OutputGate(
             self.model.torque_limit, self.settings.rate_limit(robot), self.settings.control_dt
@@ -124,9 +129,7 @@ class Controller(Requests, Account):
         self.sensing.reset()
         self.contacts.reset()
         self.constraints.reset()
-        self.obstacles.reset()
-        for task in self.robot.tasks:
-            task.reset()
+        self.stack.reset()
         self.formulation.reset()
         self._time = 0.0
         self._anchor.reset()
@@ -163,7 +166,7 @@ class Controller(Requests, Account):
         self._time = state.time
         self.model.update(state.q, state.v)
         self._begin_references()
-        self.stack.update(self.model, state, self.references)
+        self.stack.update(self.model, state, self.references.targets(state.time))
         planned = self.force_bounds.at(state.time)
         self._contact_rows_seen = self._contact_rows(planned, state.time)
 
@@ -182,7 +185,7 @@ class Controller(Requests, Account):
         events = tuple(self._events) + tuple(self.priorities.advance(state.time))
         self._events.clear()
         self._priorities = self.priorities.pace(state.time, self.settings.control_dt)
-        self.stack.update(model, state, self.references)
+        self.stack.update(model, state, self.references.targets(state.time))
         before = self._rate_anchor(dynamics, state)
         self.contacts.begin(state.time)
         limits = self._limits = self._update_limits(dynamics, state, before)
@@ -194,7 +197,9 @@ class Controller(Requests, Account):
             self._problem_views(),
             self.contacts,
             limits.normal_bounds.active,
-            partial(self._contact_rows, limits.normal_bounds, state.time),
+            lambda: self.constraints.on_forces(
+                self._contact_rows(limits.normal_bounds, state.time)
+            ),
         )
         self.formulation.solver.end_step()
         after_solve = perf_counter()
@@ -246,7 +251,7 @@ class Controller(Requests, Account):
             boxes.acceleration.bounds,
             boxes.torque.bounds,
             boxes.torque.hard,
-            limits.obstacle_rows,
+            limits.rows,
             limits.contact_rows,
             model.nv - model.na,
             second_order_terms(self.stack, model)
@@ -296,11 +301,7 @@ class Controller(Requests, Account):
     def _update_limits(self, dynamics: Dynamics, state: RobotState, before: Array) -> Limits:
         planned = self.force_bounds.at(state.time)
         bounds = self.sensing.confirm(planned, state.time, state.wrenches)
-        self.counts["stale_ticks"] += (
-            bool(bounds.stale)
-            or self.obstacles.is_stale(state.time)
-            or any(limits.is_stale(state.time) for limits in self.constraints.limits)
-        )
+        self.counts["stale_ticks"] += bool(bounds.stale) or self.constraints.is_stale(state.time)
         contacts = self._contact_rows(bounds, state.time)
         boxes = self.constraints.update(
             self.model,
@@ -308,9 +309,10 @@ class Controller(Requests, Account):
             state,
             before,
             self.settings.control_dt,
-            None if contacts is None else contacts.jacobian,
+            contacts,
         )
-        return Limits(boxes, contacts, bounds, self.obstacles.rows(state.time))
+        contacts = self.constraints.on_forces(contacts)
+        return Limits(boxes, contacts, bounds, self.constraints.rows)
 
     def _contact_rows(self, bounds: NormalBounds, time: float) -> ContactRows | None:
         return self.contacts.rows(self.model, bounds, self.force_references, time)

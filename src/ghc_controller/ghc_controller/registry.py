@@ -12,7 +12,7 @@ from __future__ import annotations
 import pkgutil
 import warnings
 from collections.abc import Callable, Collection, Iterator
-from importlib import import_module, metadata
+from importlib import import_module, metadata, resources
 from inspect import getmodule
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -79,6 +79,16 @@ class Registry(Collection[str], Generic[T]):
             return value
 
         return register
+
+    def register_files(self, package: str, pattern: str) -> None:
+        """Register the files of a package that match, such as "scene/data/*.yaml".
+
+        A file's name is that of the thing; where the last folder of the pattern is a star, the
+        folder's is.
+        """
+        by_folder = "/*/" in pattern
+        for file in sorted(Path(str(resources.files(package))).glob(pattern)):
+            self.register(file.parent.name if by_folder else file.stem)(file)
 
     @property
     def built_in(self) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,16 +13,23 @@ from ghc_controller.constraints import (
     ConstraintSet,
     JointPositionLimit,
     JointVelocityLimit,
+    ObstacleDistance,
     TorqueCenter,
     TorqueLimit,
     TorqueRateLimit,
 )
 from ghc_controller.constraints.planned_jerk import PlannedJerk
-from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS, FormulationSettings
+from ghc_controller.constraints.registry import CONSTRAINTS, is_kind, register_constraint
+from ghc_controller.errors import InvalidValue
+from ghc_controller.formulations import (
+    DEFAULT_FORMULATION,
+    FORMULATIONS,
+    FormulationSettings,
+    own_settings,
+)
 from ghc_controller.qp import SolverSettings
-from ghc_controller.registry import Registry
 from ghc_controller.robot.robot import Robot
-from ghc_controller.schema.declared import check, declared, inline
+from ghc_controller.schema.declared import check, chosen_by, declared, inline
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 from ghc_controller.schema.record import from_mapping, read
 from ghc_controller.types import CONTROL_DT, Array
@@ -70,6 +77,7 @@ class Settings:
         "further constraints by name, such as those of plug-ins", ()
     )
     optimization: FormulationSettings = inline(FormulationSettings)
+    own: Any = chosen_by("formulation", own_settings)  # what only the formulation in use has
 
     @classmethod
     def of(cls, **values: Any) -> Settings:
@@ -97,12 +105,8 @@ class Settings:
         return robot.torque_rate if self.torque_rate_limit < 0.0 else self.torque_rate_limit
 
 
-# What makes a constraint of a robot under settings; None: it is off.
-ConstraintFactory = Callable[[Robot, Settings], Constraint | None]
-
-CONSTRAINTS: Registry[ConstraintFactory] = Registry("constraint", "ghc_controller.constraints")
-# Decorator. Those registered here are made for every robot, in this order.
-register_constraint = CONSTRAINTS.register
+# What makes constraints of a robot under settings: functions (robot, settings) that return one, or
+# None where it is off. Those registered here are made for every robot, in this order.
 
 
 @register_constraint("torque_limit")
@@ -146,18 +150,38 @@ def _joint_velocity(robot: Robot, settings: Settings) -> Constraint | None:
     return JointVelocityLimit(limit, robot.model.na, settings.velocity_horizon)
 
 
-_ALWAYS = CONSTRAINTS.built_in
+@register_constraint("obstacle_distance")
+def _obstacle_distance(robot: Robot, settings: Settings) -> Constraint:
+    return ObstacleDistance(robot.model, settings.obstacle_horizon)
 
 
-def make_constraints(robot: Robot, settings: Settings) -> ConstraintSet:
-    """Constraints of the robot under these settings (design, section 5).
+_ALWAYS = tuple(name for name in CONSTRAINTS.built_in if not is_kind(CONSTRAINTS[name]))
+
+
+def make_constraints(
+    robot: Robot, settings: Settings, further: Sequence[Constraint] = ()
+) -> ConstraintSet:
+    """Constraints of the robot under these settings, then those of its file.
+
+    Args:
+        further: such as those of the forces of its contacts.
 
     Raises:
         UnknownName: no constraint of a name in `settings.constraints`; lists those that exist.
         PluginError: a package brings it and it cannot be loaded.
+        InvalidValue: it has fields, or two constraints have one name.
     """
     names = dict.fromkeys((*_ALWAYS, *settings.constraints))
+    for name in names:
+        if is_kind(CONSTRAINTS[name]):
+            raise InvalidValue(
+                f"constraint '{name}' has fields: list it as a kind under 'constraints' in "
+                "robot.yaml"
+            )
     made = [CONSTRAINTS[name](robot, settings) for name in names]
     rate = settings.rate_limit(robot)
     planned = PlannedJerk(rate, robot.model.na) if np.max(rate) > 0.0 else None
-    return ConstraintSet([one for one in made if one is not None], robot.model, planned)
+    found = [one for one in made if one is not None]
+    return ConstraintSet(
+        [*found, *robot.constraints, *further], robot.model, planned, bool(robot.contacts)
+    )

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ class RobotState:
     torque: Array | None = None  # (a,) [Nm] torque applied over the last control period
     wrenches: Mapping[str, Array] = field(default_factory=lambda: _NO_WRENCHES)
     # name -> (6,) force [N], torque [Nm] of the surroundings on the robot, world axes
-    epoch: int = 0  # counts resets: time runs backwards only when it changes
+    epoch: int = 0  # counts resets; in a simulator alone, time is 0 again after each
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +52,8 @@ class Bounds:
     upper: Array  # (r,)
 
 
-@dataclass(frozen=True, slots=True)
-class TaskTarget:
-    """Reference of a task at one instant."""
+class TaskTarget(NamedTuple):
+    """Reference of a task at one instant; a tuple, since one that moves is made in every tick."""
 
     position: Array  # (m,); (4,) quaternion xyzw for an orientation, (7,) for a pose
     velocity: Array  # (m,)
@@ -61,11 +61,36 @@ class TaskTarget:
     wrench: Array | None = None  # (m,) [N] or [Nm] to be exerted on the surroundings
 
 
-@dataclass(frozen=True, slots=True)
 class TaskRows:
-    """One task linearised at the current state: jacobian @ x -> target."""
+    """Rows of one task, or of several below each other; arrays that are written in place.
 
-    jacobian: Array  # (m, n)
-    target: Array  # (m,) desired task acceleration minus drift
-    error: Array  # (m,) reference - actual; [N] or [Nm] on rows under force control
-    force_rows: int = 0  # how many rows are under force control
+    A task measures error, Jacobian and drift. The reference gives velocity and acceleration, the
+    file of the robot the gains. The law (tasks/law.py) makes the target of all of them.
+
+    Attributes:
+        jacobian: (m, n), rate of the task variable = jacobian @ v.
+        error: (m,) reference - actual; [N] or [Nm] on rows under force control.
+        drift: (m,) acceleration of the task variable = jacobian @ dv + drift.
+        velocity, acceleration: (m,) of the reference.
+        stiffness, damping: (m,) [1/s^2], [1/s].
+        target: (m,) jacobian @ dv -> target: wanted acceleration minus drift.
+        vectors: (7, m), the seven above in the order of VECTORS, for compiled laws.
+    """
+
+    VECTORS = ("error", "drift", "velocity", "acceleration", "stiffness", "damping", "target")
+    __slots__ = (*VECTORS, "jacobian", "vectors")
+
+    def __init__(self, jacobian: Array, vectors: Array) -> None:
+        """Views of jacobian (m, n) and vectors (7, m)."""
+        self.jacobian, self.vectors = jacobian, vectors
+        self.error, self.drift, self.velocity, self.acceleration = vectors[:4]
+        self.stiffness, self.damping, self.target = vectors[4:]
+
+    @classmethod
+    def zeros(cls, m: int, n: int) -> TaskRows:
+        """m rows on n velocity coordinates."""
+        return cls(np.zeros((m, n)), np.zeros((len(cls.VECTORS), m)))
+
+    def block(self, first: int, end: int) -> TaskRows:
+        """The rows from `first` to `end` - 1, on the same arrays."""
+        return TaskRows(self.jacobian[first:end], self.vectors[:, first:end])

@@ -5,10 +5,9 @@ Names are loaded when they are first used, as in `ghc_controller`.
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
-import ghc_controller  # noqa: F401  (it answers for modules that have moved)
+from ghc_controller.migration.public_names import load_name
 
 if TYPE_CHECKING:
     from ghc_mpc_constraints import bounds_generator, generator
@@ -65,8 +64,4 @@ __all__ = [*_HOMES]
 
 
 def __getattr__(name: str) -> object:
-    if name not in _HOMES:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-    globals()[name] = value  # the next use costs no look-up
-    return value
+    return load_name(__name__, _HOMES, name)

@@ -8,6 +8,7 @@ from model_states import make_model, random_state
 
 from ghc_controller.constraints import (
     Box,
+    BoxConstraint,
     Constraint,
     ConstraintSet,
     JointPositionLimit,
@@ -29,7 +30,7 @@ from ghc_controller.types import Array, RobotState
 DT = 1e-3  # [s]
 
 
-class FixedBox(Constraint):
+class FixedBox(BoxConstraint):
     """A constant box on torques, of any softness."""
 
     space = Space.TORQUE
@@ -178,6 +179,12 @@ def _obstacles(*frames: str) -> Preview:
     return Preview.of_motions(0.0, 0.01, 2, tuple(obstacles))
 
 
+def _tick(model: RobotModel, time: float) -> Tick:
+    """The state of the last update of the model, at a time [s]."""
+    state = RobotState(time, model.q.copy(), model.v.copy())
+    return Tick(model, model.dynamics, state, None, DT)
+
+
 def test_obstacles_of_frames_that_the_robot_lacks_are_left_out() -> None:
     """The rest of the plan is followed, this one and the next."""
     model = make_model("kuka_lwr")
@@ -190,7 +197,7 @@ def test_obstacles_of_frames_that_the_robot_lacks_are_left_out() -> None:
     ]
     ((entry, state),) = distance.states(0.0)
     assert (entry.id, state[0, 2]) == ("box_2", 2.0)
-    rows = distance.rows(0.0)
+    rows = distance.rows(_tick(model, 0.0))
     assert rows is not None
     assert rows.names == distance.names == ("obstacle.box_2",)
     assert rows.matrix.shape == (1, model.nv)
@@ -202,5 +209,5 @@ def test_a_plan_for_unknown_frames_alone_has_no_rows() -> None:
     model = make_model("kuka_lwr")
     distance = ObstacleDistance(model, 0.1)
     assert len(distance.follow(_obstacles("nose"))) == 1
-    assert distance.rows(0.0) is None
+    assert distance.rows(_tick(model, 0.0)) is None
     assert not distance.is_stale(1.0)

@@ -13,7 +13,7 @@ from ghc_controller.constraints import (
     TorqueLimit,
     TorqueRateLimit,
 )
-from ghc_controller.constraints.constraint import Constraint
+from ghc_controller.constraints.constraint import BoxConstraint
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.types import Array, Bounds, RobotState
@@ -23,7 +23,7 @@ BRAKE = 5.0  # [rad/s^2]
 
 
 def _bounds(
-    constraint: Constraint, model: RobotModel, q: Array, v: Array, torque: Array | None = None
+    constraint: BoxConstraint, model: RobotModel, q: Array, v: Array, torque: Array | None = None
 ) -> Bounds:
     dynamics = model.update(q, v)
     return constraint.bounds(model, dynamics, RobotState(0.0, q, v), torque, DT)

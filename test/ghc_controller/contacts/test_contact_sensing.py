@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.contacts import BoundsInForce, Contact, ContactSensing, NormalBounds
+from ghc_controller.contacts import BoundsInForce, ContactSensing, NormalBounds
+from ghc_controller.contacts.registry import make_contact
 from ghc_controller.previews.preview import CONTACT_FORCES, Preview
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.robot.library import find_robot
@@ -30,7 +31,7 @@ class Foot:
                 "patience": 0.2,
             }
         robot = load_robot_config(find_robot("kuka_lwr"))
-        self.contact = Contact.from_config(Fields(entry, "test"), robot.model)
+        self.contact = make_contact(Fields(entry, "test"), robot.model)
         self._make, self._end = make, end
         self._bounds = BoundsInForce([self.contact])
         self._sensing = ContactSensing((self.contact,), self._bounds)

@@ -7,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ghc_controller.contacts import BoundsInForce, Contact, ContactSet
+from ghc_controller.constraints import ConstraintSet
+from ghc_controller.contacts import (
+    BoundsInForce,
+    Contact,
+    ContactSet,
+    FrictionCone,
+    NormalForce,
+    SurfaceContact,
+)
+from ghc_controller.contacts.registry import make_contact
 from ghc_controller.controller import Controller
 from ghc_controller.errors import ConfigurationError, InvalidValue
 from ghc_controller.formulations import FORMULATIONS, ContactRows
@@ -34,13 +43,20 @@ def robot() -> Robot:
 
 def _contact(robot: Robot, **fields: object) -> Contact:
     entry = {"name": "tip", "frame": "tool", "points": [[0, 0, 0]], "normal": [0, 0, 1]} | fields
-    return Contact.from_config(Fields(entry, "test"), robot.model)
+    return make_contact(Fields(entry, "test"), robot.model)
 
 
 def _rows(robot: Robot, contact: Contact) -> ContactRows:
     contacts = ContactSet([contact])
     bounds = BoundsInForce([replace(contact, active=True)]).at(0.0)
     rows = contacts.rows(robot.model, bounds, ReferenceSchedule([]), 0.0)
+    limits = ConstraintSet(
+        [NormalForce(contacts), FrictionCone(contacts)], robot.model, in_contact=True
+    )
+    model = robot.model
+    state = RobotState(0.0, model.q.copy(), model.v.copy())
+    limits.update(model, model.dynamics, state, None, 1e-3, rows)
+    rows = limits.on_forces(rows)
     assert rows is not None
     return rows
 
@@ -66,7 +82,7 @@ def test_rows_are_the_motion_of_the_points(
     rows = _rows(robot, contact)
     speed = ((after - before) / (2.0 * STEP)) @ contact.force_axes.T
     assert np.allclose(rows.force_jacobian @ v, speed.ravel(), atol=1e-7)
-    if contact.is_surface:
+    if isinstance(contact, SurfaceContact):
         return  # held by the six coordinates of its frame
     step = 1e-4
     before, now, after = (_points(model, contact, q + s * step * v) for s in (-1.0, 0.0, 1.0))

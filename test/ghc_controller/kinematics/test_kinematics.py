@@ -20,8 +20,7 @@ from ghc_controller.kinematics import (
 from ghc_controller.kinematics.level_kernels import positive_root, structured_update
 from ghc_controller.kinematics.second_order import SecondOrderTerms
 from ghc_controller.kinematics.step_record import StepRecord
-from ghc_controller.tasks.frame_orientation import FrameOrientationTask
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FrameOrientationTask, FramePositionTask
 from ghc_controller.types import Array
 
 N = 7

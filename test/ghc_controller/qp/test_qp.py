@@ -157,7 +157,7 @@ def test_equalities_that_depend_on_each_other() -> None:
 
 
 @pytest.mark.parametrize("status", QpStatus)
-def test_no_verdict_of_the_first_solver_stands_alone(status: QpStatus) -> None:
+def test_no_status_of_the_first_solver_stands_alone(status: QpStatus) -> None:
     """INFEASIBLE, a limit, a failure or a wrong answer: the second solver decides, and counts."""
     rng = np.random.default_rng(7)
     solver = Fallback(_Wrong(status), DualSolver(SETTINGS), SETTINGS)

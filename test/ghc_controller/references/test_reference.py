@@ -12,7 +12,7 @@ from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.numerics.rotation import quaternion_conjugate, quaternion_product, rotation_log
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.tasks import ReferenceSpace
-from ghc_controller.tasks.frame_pose import FramePoseTask
+from ghc_controller.tasks.frame import FramePoseTask
 from ghc_controller.types import Array
 
 SPACES = tuple(ReferenceSpace)

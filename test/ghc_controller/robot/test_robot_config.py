@@ -12,7 +12,7 @@ import yaml
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import Robot, load_robot_config
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FramePositionTask
 
 URDF = """<robot name="two"><link name="base"/>
 <link name="upper"><inertial><mass value="1"/>

@@ -121,8 +121,11 @@ def test_xacro_is_expanded_by_its_package_or_named(
     assert RobotModel.from_urdf(found).joint_names == ("first", "second")
 
 
-def test_an_mjcf_is_named(tmp_path: Path) -> None:
+def test_an_mjcf_needs_the_package_that_reads_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     file = tmp_path / "arm.xml"
     file.write_text("<mujoco><worldbody/></mujoco>", encoding="utf-8")
-    with pytest.raises(ConfigurationError, match="an MJCF of MuJoCo given, a URDF expected"):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(ConfigurationError, match=r"an MJCF, and the Python package 'mujoco'.*pip"):
         find_urdf(str(file), tmp_path / "robot.yaml")

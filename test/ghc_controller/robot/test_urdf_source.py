@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from ghc_controller.errors import ConfigurationError
-from ghc_controller.robot.urdf import find_urdf, package_of, resource_path
+from ghc_controller.robot.urdf import find_urdf, package_of
+from ghc_controller.robot.urdf_text import resource_path
 
 ROBOT = Path("some/robot.yaml")
 ENTRY = {"package": "toy-models", "file": "share/toy/robots/one/model.urdf"}
@@ -20,7 +21,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     data = tmp_path / "share" / "toy"
     for file in ("robots/one/model.urdf", "robots/two/model.urdf", "meshes/arm.stl"):
         (data / file).parent.mkdir(parents=True, exist_ok=True)
-        (data / file).touch()
+        (data / file).write_text("<robot name='toy'/>", encoding="utf-8")
     metadata = site / "toy_models-1.0.dist-info"
     metadata.mkdir(parents=True)
     (metadata / "METADATA").write_text("Name: toy-models\nVersion: 1.0\n", encoding="utf-8")
@@ -65,7 +66,7 @@ def test_a_package_that_is_missing_is_named_with_how_to_get_it() -> None:
         (ENTRY | {"file": "share/toy/three.urdf"}, "'toy-models' has no file 'share/toy/three"),
         (None, "the path of a file, or {package: name, file: path} expected, None given"),
         ("", "'' given"),
-        ({"package": "toy-models"}, "urdf.file: missing; given: package"),
+        ({"package": "toy-models"}, "urdf.file: a file or a description expected"),
         (ENTRY | {"file": 3}, "urdf.file: a non-empty text expected, 3 given"),
     ],
 )

@@ -5,19 +5,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.ros.synchronizer import StateGate, Verdict
+from ghc_controller.ros.synchronizer import StateDisposition, StateGate
 from ghc_controller.ros.wire.timeline import CONFIRMATIONS, MOST_AHEAD_NS, SILENCE, Place, Timeline
 
 MS = 1_000_000  # [ns]
 FOREVER = 2**31 * 1_000_000_000  # [ns]
-FORGED = [
+FORGED: list[tuple[int, int | None]] = [
     (3600_000 * MS, 0),
+    (3600_000 * MS, None),
     (10 * MS, 1),
     (10 * MS, 999_999),
     (FOREVER, 0),
     (-FOREVER, 10**6),
+    (-FOREVER, None),
     (0, 0),
+    (0, None),
 ]
+ANNOUNCED = [(1, 0), (0, 0), (10**18, 3600_000 * MS), (1, 1050 * MS), (7, -FOREVER), (1, FOREVER)]
 
 
 class Run:
@@ -27,7 +31,7 @@ class Run:
         self.wall = 0.0
         self.timeline = Timeline(clock=lambda: self.wall)
 
-    def feed(self, first_ms: int, count: int, epoch: int = 0) -> list[Place]:
+    def feed(self, first_ms: int, count: int, epoch: int | None = 0) -> list[Place]:
         """States of `count` periods from `first_ms` on, as fast as time goes."""
         places = []
         for k in range(count):
@@ -39,7 +43,7 @@ class Run:
 @pytest.mark.parametrize("copies", [1, 5, 40])
 @pytest.mark.parametrize(("stamp", "epoch"), FORGED)
 def test_a_forged_stamp_is_not_believed_and_changes_nothing(
-    stamp: int, epoch: int, copies: int
+    stamp: int, epoch: int | None, copies: int
 ) -> None:
     """However many copies come between two true states."""
     run = Run()
@@ -50,7 +54,9 @@ def test_a_forged_stamp_is_not_believed_and_changes_nothing(
 
 
 @pytest.mark.parametrize(("stamp", "epoch"), FORGED)
-def test_a_forged_first_stamp_costs_less_than_a_tenth_of_a_second(stamp: int, epoch: int) -> None:
+def test_a_forged_first_stamp_costs_less_than_a_tenth_of_a_second(
+    stamp: int, epoch: int | None
+) -> None:
     run = Run()
     run.timeline.judge(stamp, epoch)
     places = run.feed(500, 100)
@@ -97,11 +103,11 @@ def test_random_forgeries_at_the_rate_of_the_run_never_win() -> None:
 def test_the_gate_answers_the_true_states_around_a_forged_one() -> None:
     gate: StateGate[str] = StateGate(())
     for k in range(5):
-        assert gate.state("true", k * MS, "0") is Verdict.NEW
+        assert gate.state("true", k * MS) is StateDisposition.NEW
         gate.answered(k * MS)
-        assert gate.state("forged", 3600_000 * MS, "0") is Verdict.IMPLAUSIBLE
-        assert gate.state("forged", 0, "999999") is Verdict.IMPLAUSIBLE
-    assert gate.state("true", 4 * MS, "0") is Verdict.REPEATED
+        assert gate.state("forged", 3600_000 * MS) is StateDisposition.IMPLAUSIBLE
+        assert gate.state("forged", -1) is StateDisposition.STALE
+    assert gate.state("true", 4 * MS) is StateDisposition.REPEATED
 
 
 @pytest.mark.parametrize("companions", [(), ("odom",)])
@@ -109,39 +115,90 @@ def test_a_run_begins_with_the_first_of_its_states_that_is_answered(
     companions: tuple[str, ...],
 ) -> None:
     """Those before it were refused, by a joint outside its limits for example."""
-    wall = 0.0
-    gate: StateGate[str] = StateGate(companions, timeline=Timeline(clock=lambda: wall))
+    gate: StateGate[str] = StateGate(companions)
+    start = 2000 * MS
 
-    def state(stamp_ns: int, epoch: str) -> Verdict:
-        verdict = gate.state("state", stamp_ns, epoch)
+    def state(stamp_ns: int) -> StateDisposition:
+        disposition = gate.state("state", stamp_ns)
         for name in companions:
-            assert verdict is Verdict.WAITING
+            assert disposition is StateDisposition.WAITING
             completed = gate.companion(name, stamp_ns, np.zeros(13))
             assert completed is not None
-            verdict = completed[1]
-        return verdict
+            disposition = completed[1]
+        return disposition
 
-    assert state(MS, "0") is Verdict.NEW
+    assert state(MS) is StateDisposition.NEW
     gate.answered(MS)
-    wall = SILENCE
-    for _ in range(CONFIRMATIONS - 1):
-        assert gate.state("state", 0, "1") is Verdict.IMPLAUSIBLE
+    assert gate.state("state", start) is StateDisposition.IMPLAUSIBLE  # not announced yet
+    gate.timeline.announce(1, start)
     for k in range(3):
-        assert state(k * MS, "1") is Verdict.NEW_EPOCH
+        assert state(start + k * MS) is StateDisposition.NEW_EPOCH
         gate.forget()  # refused
-    gate.answered(2 * MS)
-    assert state(3 * MS, "1") is Verdict.NEW
+    gate.answered(start + 2 * MS)
+    assert state(start + 3 * MS) is StateDisposition.NEW
 
 
-@pytest.mark.parametrize("epoch", [0, 1, 2])
-def test_a_run_does_not_begin_on_a_plan_of_the_one_before(epoch: int) -> None:
-    """Whatever its epoch and its time are."""
-    wall = 0.0
-    gate: StateGate[str] = StateGate((), ("plan",), 10 * MS, Timeline(clock=lambda: wall))
-    gate.state("state", 5000 * MS, "1")
+@pytest.mark.parametrize(("epoch", "start_ms"), [(0, 0), (1, 0), (2, 7000)])
+def test_a_run_does_not_begin_on_a_plan_of_the_one_before(epoch: int, start_ms: int) -> None:
+    """Whether the bridge was reset or started again."""
+    gate: StateGate[str] = StateGate((), ("plan",), 10 * MS)
+    gate.timeline.announce(1, 4000 * MS)
+    gate.state("state", 5000 * MS)
     assert gate.plan("plan", 5000 * MS, 1) is not None
     gate.answered(5000 * MS)
-    wall = SILENCE
-    places = [gate.state("state", 0, str(epoch)) for _ in range(CONFIRMATIONS)]
-    assert places[-1] is Verdict.WAITING
-    assert gate.plan("plan", 0, epoch) == ("state", Verdict.NEW_EPOCH)
+    gate.timeline.announce(epoch, start_ms * MS)
+    assert gate.state("state", start_ms * MS) is StateDisposition.WAITING
+    assert gate.epoch == epoch
+    assert gate.plan("plan", start_ms * MS, epoch) == ("state", StateDisposition.NEW_EPOCH)
+
+
+@pytest.mark.parametrize(("number", "start_ns"), ANNOUNCED)
+def test_a_forged_announcement_changes_nothing(number: int, start_ns: int) -> None:
+    """Also one of a run that would begin among the next states of the true one."""
+    run = Run()
+    run.timeline.announce(0, 0)
+    run.feed(0, 1000, None)
+    run.timeline.announce(number, start_ns)
+    assert set(run.feed(1000, 200, None)) == {Place.NEXT}
+    assert (run.timeline.epoch, run.timeline.start_ns) == (0, 0)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_an_announced_run_begins_with_its_first_state(known: bool) -> None:
+    """Also where those of the first run were heard before its announcement came."""
+    run = Run()
+    if known:
+        run.timeline.announce(3, 7000 * MS)
+    run.feed(7000, 10, None)
+    run.timeline.announce(3, 7000 * MS)
+    assert run.timeline.epoch == 3
+    run.timeline.announce(4, 9000 * MS)
+    assert run.timeline.is_of_next_run(9000 * MS)
+    assert not run.timeline.is_of_next_run(8999 * MS)
+    assert set(run.feed(7010, 10, None)) == {Place.NEXT}
+    assert run.feed(9000, 3, None) == [Place.RESTARTED, Place.NEXT, Place.NEXT]
+    assert (run.timeline.epoch, run.timeline.start_ns) == (4, 9000 * MS)
+    assert run.timeline.is_stale(8999 * MS)
+    assert not run.timeline.is_stale(9000 * MS)
+    assert set(run.feed(7030, 5, None)) == {Place.OLDER}
+
+
+def test_only_the_last_of_many_resets_is_followed() -> None:
+    run = Run()
+    run.timeline.announce(0, 0)
+    run.feed(0, 10, None)
+    for k in range(1, 101):
+        run.timeline.announce(k, 2000 * k * MS)
+    assert run.timeline.judge(2000 * 50 * MS) is Place.ELSEWHERE
+    assert run.feed(2000 * 100, 2, None) == [Place.RESTARTED, Place.NEXT]
+    assert run.timeline.epoch == 100
+
+
+def test_a_restarted_bridge_is_followed_at_its_announcement() -> None:
+    """Its time is back at zero, and its first run has the number of the one before."""
+    run = Run()
+    run.timeline.announce(0, 0)
+    run.feed(0, 500, None)
+    assert run.feed(0, 1, None) == [Place.OLDER]
+    run.timeline.announce(0, 0)
+    assert run.feed(0, 3, None) == [Place.RESTARTED, Place.NEXT, Place.NEXT]

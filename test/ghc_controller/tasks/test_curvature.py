@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from model_states import ROBOTS, make_model, random_state
+from model_states import ROBOTS, make_model, random_state, rows_of
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
@@ -17,19 +17,39 @@ from ghc_controller.numerics.rotation import (
     rotation_log,
 )
 from ghc_controller.tasks.center_of_mass import CenterOfMassTask
-from ghc_controller.tasks.frame_orientation import FrameOrientationTask
-from ghc_controller.tasks.frame_pose import FramePoseTask
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FrameOrientationTask, FramePoseTask, FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
+from ghc_controller.tasks.relative_frame import (
+    RelativeOrientationTask,
+    RelativePoseTask,
+    RelativePositionTask,
+)
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array, RobotState, TaskTarget
 
-KINDS = ("position", "axes", "orientation", "pose", "center_of_mass", "posture")
+KINDS = (
+    "position",
+    "axes",
+    "orientation",
+    "pose",
+    "center_of_mass",
+    "posture",
+    "relative_position",
+    "relative_orientation",
+    "relative_pose",
+)
 STEP = 1e-3  # [rad], [m]; fourth-order differences leave about 1e-9
 
 
 def _task(kind: str, model: RobotModel) -> Task:
     frame = model.frame_names[-1]
+    seen = (kind, model, frame, model.frame_names[2], 1.0, 1.0)
+    if kind == "relative_position":
+        return RelativePositionTask(*seen, axes=("y", "z"))
+    if kind == "relative_orientation":
+        return RelativeOrientationTask(*seen)
+    if kind == "relative_pose":
+        return RelativePoseTask(*seen)
     if kind == "position":
         return FramePositionTask(kind, model, frame, 1.0, 1.0)
     if kind == "axes":
@@ -114,7 +134,7 @@ def test_error_curvature_completes_the_newton_matrix(kind: str, robot: str, size
     def rows(step: Array) -> tuple[Array, Array]:
         moved = model.integrate(q, step)
         model.update(moved, np.zeros(model.nv))
-        found = task.rows(model, RobotState(0.0, moved, np.zeros(model.nv)), target)
+        found = rows_of(task, model, RobotState(0.0, moved, np.zeros(model.nv)), target)
         return found.error, found.jacobian
 
     def cost(step: Array) -> float:

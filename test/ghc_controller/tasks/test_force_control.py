@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from model_states import make_model, random_state
+from model_states import make_model, random_state, rows_of
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.tasks.force_control import ForceControl, ForceFields
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
+from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.types import Array, RobotState, TaskTarget
 
 STIFFNESS, DAMPING = 30.0, 20.0  # [1/s^2], [1/s]
@@ -49,11 +50,11 @@ def test_rows_switch_with_hysteresis() -> None:
     target = _target(task, model, 10.0)
     forces = [0.0, 0.5, 1.0, 1.1, 0.5, 0.2, 0.1, 0.5, 5.0, 0.0]
     expected = [0, 0, 0, 1, 1, 1, 0, 0, 1, 0]
-    rows = [
-        task.rows(model, _measured(state, 1e-3 * k, force), target).force_rows
-        for k, force in enumerate(forces)
-    ]
-    assert rows == expected
+    stack, counts = TaskStack([task], model.nv), []
+    for k, force in enumerate(forces):
+        stack.update(model, _measured(state, 1e-3 * k, force), [target])
+        counts += stack.force_rows
+    assert counts == expected
 
 
 def test_without_reference_force_or_measurement_it_is_a_motion_task() -> None:
@@ -64,15 +65,17 @@ def test_without_reference_force_or_measurement_it_is_a_motion_task() -> None:
     task = _hybrid_task(model)
     target = _target(task, model, 10.0)
     no_force = TaskTarget(target.position, target.velocity, target.acceleration)
-    expected = plain.rows(model, state, target)
-    for rows in (
-        task.rows(model, _measured(state, 0.0, 20.0), no_force),
-        task.rows(model, state, target),
-        task.rows(model, _measured(state, 0.0, 0.5), target),
+    expected = rows_of(plain, model, state, target)
+    stack = TaskStack([task], model.nv)
+    for now, wanted in (
+        (_measured(state, 0.0, 20.0), no_force),
+        (state, target),
+        (_measured(state, 0.0, 0.5), target),
     ):
-        assert rows.force_rows == 0
-        assert np.array_equal(rows.target, expected.target)
-        assert np.array_equal(rows.error, expected.error)
+        stack.update(model, now, [wanted])
+        assert stack.force_rows == [0]
+        assert np.array_equal(stack.target, expected.target)
+        assert np.array_equal(stack.error, expected.error)
 
 
 def test_contact_rows_are_masked_and_the_force_is_exerted() -> None:
@@ -81,10 +84,9 @@ def test_contact_rows_are_masked_and_the_force_is_exerted() -> None:
     free = model.update(state.q, state.v)
     task = _hybrid_task(model, proportional=0.5)
     target = _target(task, model, 10.0)
-    motion = FramePositionTask("plain", model, "tool", STIFFNESS, DAMPING).rows(
-        model, state, target
-    )
-    rows = task.rows(model, _measured(state, 0.0, 6.0), target)
+    plain = FramePositionTask("plain", model, "tool", STIFFNESS, DAMPING)
+    motion = rows_of(plain, model, state, target)
+    rows = rows_of(task, model, _measured(state, 0.0, 6.0), target)
     wrench = np.array([0.0, 0.0, -10.0 + 0.5 * (-10.0 + 6.0)])
     assert np.array_equal(rows.target[:2], motion.target[:2])
     assert rows.target[2] == -model.frame_drift(model.frame_id("tool"))[2]
@@ -98,7 +100,7 @@ def test_free_acceleration_is_that_of_eq_3() -> None:
     model, state = make_model("kuka_lwr"), random_state("kuka_lwr", np.random.default_rng(3))
     free = model.update(state.q, state.v)
     task = _hybrid_task(model)
-    rows = task.rows(model, _measured(state, 0.0, 10.0), _target(task, model, 10.0))
+    rows = rows_of(task, model, _measured(state, 0.0, 10.0), _target(task, model, 10.0))
     x = np.linalg.lstsq(rows.jacobian, rows.target, rcond=None)[0]
     torque = model.dynamics.mass_matrix @ x + model.dynamics.bias
     dv = np.linalg.solve(free.mass_matrix, torque - free.bias)
@@ -111,7 +113,7 @@ def test_the_answer_of_the_surroundings_disturbs_no_joint() -> None:
     model, state = make_model("kuka_lwr"), random_state("kuka_lwr", np.random.default_rng(4))
     free = model.update(state.q, state.v)
     task = _hybrid_task(model)
-    rows = task.rows(model, _measured(state, 0.0, 10.0), _target(task, model, 10.0))
+    rows = rows_of(task, model, _measured(state, 0.0, 10.0), _target(task, model, 10.0))
     x = np.random.default_rng(5).normal(size=7)
     torque = model.dynamics.mass_matrix @ x + model.dynamics.bias
     answer = rows.jacobian.T @ np.array([0.0, 0.0, 10.0])
@@ -134,24 +136,26 @@ def test_a_frictionless_plane_is_held_with_the_reference_force() -> None:
     aside = start + np.array([0.01, -0.01, -0.05])
     target = TaskTarget(aside, np.zeros(3), np.zeros(3), np.array([0.0, 0.0, -20.0]))
     push, fastest = 0.0, 0.0
+    stack = TaskStack([task, posture], model.nv)
+    targets = [target, posture.default_target(model)]
     for k in range(6000):
         state = _measured(RobotState(0.0, q, v), k * dt, push)
         free = model.update(q, v)
-        rows = task.rows(model, state, target)
-        rest = posture.rows(model, state, posture.default_target(model))
-        inverse = np.linalg.pinv(rows.jacobian)
-        x = inverse @ rows.target
-        x += rest.target - inverse @ (rows.jacobian @ rest.target)
+        stack.update(model, state, targets)
+        jacobian, wanted, rest = stack.jacobian[:3], stack.target[:3], stack.target[3:]
+        inverse = np.linalg.pinv(jacobian)
+        x = inverse @ wanted
+        x += rest - inverse @ (jacobian @ rest)
         torque = model.dynamics.mass_matrix @ x + model.dynamics.bias
         depth, speed = surface - model.frame_position(frame)[2], model.frame_velocity(frame)[2]
         push = max(0.0, 2e4 * depth - 30.0 * speed) if depth > 0.0 else 0.0  # [N]
-        contact = rows.jacobian.T @ np.array([0.0, 0.0, push])
+        contact = jacobian.T @ np.array([0.0, 0.0, push])
         v = v + dt * np.linalg.solve(free.mass_matrix, torque - free.bias + contact)
         q = q + dt * v
         fastest = max(fastest, float(np.abs(v).max()))
-    assert rows.force_rows == 1
+    assert stack.force_rows == [1, 0]
     assert np.isclose(push, 20.0, atol=1e-2)
-    assert np.linalg.norm(rows.error[:2]) < 1e-4  # [m]
+    assert np.linalg.norm(stack.error[:2]) < 1e-4  # [m]
     assert fastest < 0.5  # [rad/s]
 
 
@@ -161,15 +165,16 @@ def test_integral_grows_in_contact_only_and_does_not_wind_up() -> None:
     model.update(state.q, 0.0 * state.v)
     task = _hybrid_task(model, integral=50.0)
     target = _target(task, model, 10.0)
+    stack = TaskStack([task], model.nv)
 
     def pushed(k: int, force: float) -> float:
         """w_d on the normal, recovered from the torque that carries it."""
         free = model.update(state.q, 0.0 * state.v)
-        rows = task.rows(model, _measured(state, 1e-3 * k, force), target)
-        if rows.force_rows == 0:
+        stack.update(model, _measured(state, 1e-3 * k, force), [target])
+        if stack.force_rows == [0]:
             return np.nan
         carried = model.dynamics.bias - free.bias
-        return float(np.linalg.lstsq(rows.jacobian.T, carried, rcond=None)[0][2])
+        return float(np.linalg.lstsq(stack.jacobian.T, carried, rcond=None)[0][2])
 
     assert np.isclose(pushed(0, 8.0), -10.0)  # first tick of the contact
     assert np.isclose(pushed(1, 8.0), -10.0 - 50.0 * 2.0 * 1e-3)
@@ -190,14 +195,14 @@ def test_force_rises_from_zero_without_a_jump() -> None:
     task = _hybrid_task(model, rise_time=0.1)
     model.update(state.q, state.v)
     target = _target(task, model, 10.0)
-    pushes = []
+    pushes, stack = [], TaskStack([task], model.nv)
     for k in range(150):
         free = model.update(state.q, state.v)
         measured = 2.0 if k == 0 else 0.0 if k < 50 else 10.0
-        rows = task.rows(model, _measured(state, 1e-3 * k, measured), target)
-        assert rows.force_rows == 1
+        stack.update(model, _measured(state, 1e-3 * k, measured), [target])
+        assert stack.force_rows == [1]
         carried = model.dynamics.bias - free.bias
-        pushes.append(float(np.linalg.lstsq(rows.jacobian.T, carried, rcond=None)[0][2]))
+        pushes.append(float(np.linalg.lstsq(stack.jacobian.T, carried, rcond=None)[0][2]))
     assert abs(pushes[0]) < 1e-9
     assert np.isclose(pushes[50], -5.0)
     assert np.allclose(pushes[100:], -10.0)
@@ -210,10 +215,48 @@ def test_reset_clears_contact_and_integral() -> None:
     model.update(state.q, state.v)
     task = _hybrid_task(model)
     target = _target(task, model, 10.0)
-    assert task.rows(model, _measured(state, 0.0, 5.0), target).force_rows == 1
-    assert task.rows(model, _measured(state, 0.1, 0.5), target).force_rows == 1
-    task.reset()
-    assert task.rows(model, _measured(state, 0.2, 0.5), target).force_rows == 0
+    stack = TaskStack([task], model.nv)
+
+    def force_rows(time: float, force: float) -> list[int]:
+        stack.update(model, _measured(state, time, force), [target])
+        return stack.force_rows.copy()
+
+    assert force_rows(0.0, 5.0) == [1]
+    assert force_rows(0.1, 0.5) == [1]
+    stack.reset()
+    assert force_rows(0.2, 0.5) == [0]
+
+
+def test_stacks_of_one_task_share_no_contact() -> None:
+    """Each has its own memory: a touch that one has seen is none to the other."""
+    model, state = make_model("kuka_lwr"), random_state("kuka_lwr", np.random.default_rng(5))
+    model.update(state.q, state.v)
+    task = _hybrid_task(model)
+    target = _target(task, model, 10.0)
+    first, second = TaskStack([task], model.nv), TaskStack([task], model.nv)
+    first.update(model, _measured(state, 0.0, 5.0), [target])
+    for stack, expected in ((first, [1]), (second, [0])):
+        stack.update(model, _measured(state, 0.1, 0.5), [target])
+        assert stack.force_rows == expected
+
+
+def test_motion_rows_come_back_after_contact() -> None:
+    """Gains and reference of the force rows are those of the task again, to the bit."""
+    model, state = make_model("kuka_lwr"), random_state("kuka_lwr", np.random.default_rng(7))
+    model.update(state.q, state.v)
+    task = _hybrid_task(model, damping=3.0)
+    position = task.current(model) + 0.1
+    target = TaskTarget(position, np.full(3, 0.2), np.full(3, 0.3), np.array([0.0, 0.0, -10.0]))
+    stack = TaskStack([task], model.nv)
+    rows = []
+    for k, force in enumerate((0.0, 5.0, 5.0, 0.0)):
+        stack.update(model, _measured(state, 1e-3 * k, force), [target])
+        rows.append(stack.target.copy())
+    assert np.array_equal(rows[0], rows[3])
+    assert np.array_equal(rows[1], rows[2])
+    frame = model.frame(model.frame_id("tool"))
+    assert rows[1][2] == pytest.approx(-3.0 * frame.velocity[2] - frame.drift[2], abs=1e-12)
+    assert np.array_equal(rows[1][:2], rows[0][:2])
 
 
 def test_bad_settings_are_refused() -> None:

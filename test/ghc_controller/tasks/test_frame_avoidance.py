@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from model_states import make_model, random_state
+from model_states import make_model, random_state, rows_of
 
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.model.robot_model import RobotModel
@@ -42,7 +42,7 @@ def test_rows_are_the_second_derivative_of_the_distance(moves: bool) -> None:
         direction = rng.normal(size=3)
         o = model.frame_position(task._frame_id) + 0.6 * direction / np.linalg.norm(direction)
         o_v, o_a = (rng.normal(size=3), rng.normal(size=3)) if moves else np.zeros((2, 3))
-        rows = task.rows(model, state, TaskTarget(o, o_v, o_a))
+        rows = rows_of(task, model, state, TaskTarget(o, o_v, o_a))
         d = 0.6 - RADIUS
         gaps = [
             _gap(model, q + t * v + 0.5 * t * t * dv, v + t * dv, o + t * o_v + 0.5 * t * t * o_a)
@@ -64,7 +64,7 @@ def test_far_from_the_obstacle_the_frame_comes_to_rest() -> None:
     model.update(state.q, state.v)
     frame = model.frame(task._frame_id)
     obstacle = frame.position + np.array([0.0, FAR + 2.0 * RADIUS, 0.0])
-    rows = task.rows(model, state, TaskTarget(obstacle, np.ones(3), np.ones(3)))
+    rows = rows_of(task, model, state, TaskTarget(obstacle, np.ones(3), np.ones(3)))
     assert rows.target == pytest.approx(DAMPING * frame.velocity[1] + frame.drift[1])
     assert rows.jacobian[0] == pytest.approx(-frame.jacobian[1])
 

@@ -7,6 +7,7 @@ import numpy as np
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.tasks.joint_limit import JointLimitTask
+from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.types import RobotState, TaskTarget
 
 
@@ -16,13 +17,14 @@ def test_rows_are_on_beyond_the_margin_alone() -> None:
     task = JointLimitTask("limits", model, 100.0, 20.0, margin=0.3)
     lower, upper = model.limits.position_lower + 0.3, model.limits.position_upper - 0.3
     rng = np.random.default_rng(3)
-    out, seen = task.empty_rows(model.nv), 0
+    stack, seen = TaskStack([task], model.nv), 0
     for _ in range(50):
         q = rng.uniform(model.limits.position_lower, model.limits.position_upper)
         v = rng.normal(size=model.nv)
         model.update(q, v)
         still = TaskTarget(np.zeros(task.size), np.zeros(task.size), np.zeros(task.size))
-        rows = task.rows(model, RobotState(0.0, q, v), still, out)
+        stack.update(model, RobotState(0.0, q, v), [still])
+        rows = stack.rows
         beyond = (q < lower) | (q > upper)
         edge = np.where(q < lower, lower, upper)
         seen += int(beyond.sum())

@@ -5,25 +5,44 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from model_states import ROBOTS, make_model, moved, random_state
+from model_states import ROBOTS, make_model, moved, random_state, rows_of
 
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.numerics.rotation import quaternion_product, rotation_exp
 from ghc_controller.tasks import Task, task_kinds
 from ghc_controller.tasks.center_of_mass import CenterOfMassTask
-from ghc_controller.tasks.frame_orientation import FrameOrientationTask
-from ghc_controller.tasks.frame_pose import FramePoseTask
-from ghc_controller.tasks.frame_position import FramePositionTask
+from ghc_controller.tasks.frame import FrameOrientationTask, FramePoseTask, FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
+from ghc_controller.tasks.relative_frame import (
+    RelativeFrameTask,
+    RelativeOrientationTask,
+    RelativePoseTask,
+    RelativePositionTask,
+)
 from ghc_controller.types import Array, RobotState, TaskTarget
 
-KINDS = ("frame_position", "axes", "frame_orientation", "frame_pose", "posture", "center_of_mass")
+RELATIVE: dict[str, type[RelativeFrameTask]] = {
+    "relative_position": RelativePositionTask,
+    "relative_orientation": RelativeOrientationTask,
+    "relative_pose": RelativePoseTask,
+}
+KINDS = (
+    "frame_position",
+    "axes",
+    "frame_orientation",
+    "frame_pose",
+    "posture",
+    "center_of_mass",
+    *RELATIVE,
+)
 STIFFNESS, DAMPING = 30.0, 20.0  # [1/s^2], [1/s]
 
 
 def _task(kind: str, model: RobotModel) -> Task:
     frame, gains = model.frame_names[-1], (STIFFNESS, DAMPING)
+    if kind in RELATIVE:
+        return RELATIVE[kind](kind, model, frame, model.frame_names[2], *gains)
     if kind == "axes":
         return FramePositionTask(kind, model, frame, *gains, axes=("z", "x"))
     if kind == "posture":
@@ -55,10 +74,10 @@ def test_error_is_zero_at_the_target_and_known_beside_it(kind: str, robot: str) 
     task = _task(kind, model)
     model.update(state.q, state.v)
     target = task.default_target(model)
-    assert np.allclose(task.rows(model, state, target).error, 0.0, atol=1e-9)
+    assert np.allclose(rows_of(task, model, state, target).error, 0.0, atol=1e-9)
     step = rng.uniform(-0.4, 0.4, task.size)
     beside = task.static_target(_shifted(task, task.current(model), step))
-    assert np.allclose(task.rows(model, state, beside).error, step, atol=1e-9)
+    assert np.allclose(rows_of(task, model, state, beside).error, step, atol=1e-9)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -71,9 +90,9 @@ def test_rows_are_the_local_controller_minus_drift(kind: str, robot: str) -> Non
     model.update(state.q, state.v)
     step, velocity, acceleration = rng.uniform(-0.4, 0.4, (3, task.size))
     target = TaskTarget(_shifted(task, task.current(model), step), velocity, acceleration)
-    rows = task.rows(model, state, target)
+    rows = rows_of(task, model, state, target)
     still = TaskTarget(task.current(model), rows.jacobian @ state.v, np.zeros(task.size))
-    drift = -task.rows(model, state, still).target
+    drift = -rows_of(task, model, state, still).target
     expected = (
         acceleration + STIFFNESS * step + DAMPING * (velocity - rows.jacobian @ state.v) - drift
     )
@@ -92,12 +111,14 @@ def test_drift_is_what_is_left_of_the_acceleration_at_dv_zero(kind: str, robot: 
 
     def velocity(time: float) -> Array:
         model.update(moved(robot, state.q, time * state.v), state.v)
-        return task.rows(model, state, task.static_target(task.current(model))).jacobian @ state.v
+        return (
+            rows_of(task, model, state, task.static_target(task.current(model))).jacobian @ state.v
+        )
 
     measured = (velocity(step) - velocity(-step)) / (2.0 * step)
     model.update(state.q, state.v)
     still = TaskTarget(task.current(model), velocity(0.0), np.zeros(task.size))
-    assert np.allclose(-task.rows(model, state, still).target, measured, atol=1e-6)
+    assert np.allclose(-rows_of(task, model, state, still).target, measured, atol=1e-6)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -111,12 +132,12 @@ def test_following_the_rows_from_rest_reduces_the_error(kind: str, robot: str) -
     target = task.static_target(
         _shifted(task, task.current(model), rng.uniform(-0.1, 0.1, task.size))
     )
-    before = task.rows(model, state, target)
+    before = rows_of(task, model, state, target)
     dv = np.linalg.lstsq(before.jacobian, before.target, rcond=1e-6)[0]
     reached = before.jacobian @ dv  # differs from the target where the task has too few joints
     time = 1e-3  # [s]
     model.update(moved(robot, state.q, 0.5 * time**2 * dv), 0.0 * state.v)
-    after = task.rows(model, state, target)
+    after = rows_of(task, model, state, target)
     assert np.linalg.norm(after.error) < np.linalg.norm(before.error)
     if np.allclose(reached, before.target, atol=1e-6):
         expected = (1.0 - 0.5 * STIFFNESS * time**2) * before.error
@@ -130,30 +151,16 @@ def test_orientation_error_obeys_the_stated_relation() -> None:
     task = _task("frame_orientation", model)
     model.update(state.q, state.v)
     target = task.static_target(_shifted(task, task.current(model), np.array([0.9, -1.2, 0.7])))
-    rows = task.rows(model, state, target)
+    rows = rows_of(task, model, state, target)
     omega, step = rows.jacobian @ state.v, 1e-6
     errors = []
     for time in (-step, step):
         model.update(moved("kuka_lwr", state.q, time * state.v), state.v)
-        errors.append(task.rows(model, state, target).error)
+        errors.append(rows_of(task, model, state, target).error)
     rate = (errors[1] - errors[0]) / (2.0 * step)
     assert np.allclose(pin.Jexp3(rows.error) @ rate, -omega, atol=1e-6)
     shrink = (np.linalg.norm(errors[1]) - np.linalg.norm(errors[0])) / (2.0 * step)
     assert np.isclose(shrink, -rows.error @ omega / np.linalg.norm(rows.error), atol=1e-6)
-
-
-def test_rows_written_into_a_larger_array_are_the_same() -> None:
-    """`out` may be a block of the augmented Jacobian; its arrays are the ones returned."""
-    model, state = make_model("kuka_lwr"), random_state("kuka_lwr", np.random.default_rng(5))
-    model.update(state.q, state.v)
-    for kind in KINDS:
-        task = _task(kind, model)
-        target = task.static_target(task.current(model))
-        out = task.empty_rows(model.nv)
-        assert task.rows(model, state, target, out) is out
-        fresh = task.rows(model, state, target)
-        assert np.array_equal(fresh.jacobian, out.jacobian)
-        assert np.array_equal(fresh.target, out.target)
 
 
 def test_posture_takes_joints_by_name() -> None:
@@ -162,7 +169,7 @@ def test_posture_takes_joints_by_name() -> None:
     joints = (model.joint_names[4], model.joint_names[0])
     task = PostureTask("legs", model, STIFFNESS, DAMPING, joints=joints)
     model.update(state.q, state.v)
-    rows = task.rows(model, state, task.static_target(np.zeros(2)))
+    rows = rows_of(task, model, state, task.static_target(np.zeros(2)))
     assert np.array_equal(rows.error, -state.q[[7 + 4, 7]])
     assert np.array_equal(rows.jacobian @ state.v, state.v[[6 + 4, 6]])
     assert task.ordered(joints[::-1], np.array([[1.0, 2.0]])).tolist() == [[2.0, 1.0]]
@@ -176,7 +183,7 @@ def test_gains_may_differ_per_row() -> None:
     model.update(state.q, state.v)
     task = FramePositionTask("hand", model, "tool", np.array([1.0, 2.0, 3.0]), 0.0)
     target = task.static_target(task.current(model) + 1.0)
-    assert np.allclose(task.rows(model, state, target).target, [1.0, 2.0, 3.0], atol=1e-9)
+    assert np.allclose(rows_of(task, model, state, target).target, [1.0, 2.0, 3.0], atol=1e-9)
 
 
 def test_errors_name_the_task_the_field_and_what_was_expected() -> None:
@@ -205,4 +212,5 @@ def test_every_kind_of_the_folder_is_known() -> None:
         "frame_pose",
         "posture",
         "center_of_mass",
+        *RELATIVE,
     }

@@ -18,45 +18,58 @@ def test_ticks_are_multiples_of_the_step() -> None:
     clock = TickClock(10 * MS)
     planned = []
     for k in range(35):
-        if clock.judge(k * MS, "0") is Due.PLAN:
+        if clock.judge(k * MS, 0) is Due.PLAN:
             planned.append(clock.planned(k * MS))
     assert planned == [0, 10 * MS, 20 * MS, 30 * MS]
 
 
 def test_repeats_are_answered_alike_and_a_missed_tick_is_made_up_for() -> None:
     clock = TickClock(10 * MS)
-    assert clock.judge(0, "") is Due.PLAN
+    assert clock.judge(0, 0) is Due.PLAN
     clock.planned(0)
-    assert clock.judge(0, "") is Due.REPEAT
-    assert clock.judge(3 * MS, "") is Due.NOTHING
-    assert clock.judge(27 * MS, "") is Due.PLAN
+    assert clock.judge(0, 0) is Due.REPEAT
+    assert clock.judge(3 * MS, 0) is Due.NOTHING
+    assert clock.judge(27 * MS, 0) is Due.PLAN
     assert clock.planned(27 * MS) == 20 * MS
-    assert clock.judge(28 * MS, "") is Due.NOTHING
-    assert clock.judge(20 * MS, "") is Due.REPEAT
+    assert clock.judge(28 * MS, 0) is Due.NOTHING
+    assert clock.judge(20 * MS, 0) is Due.REPEAT
     clock.forget()
-    assert clock.judge(20 * MS, "") is Due.PLAN
+    assert clock.judge(20 * MS, 0) is Due.PLAN
 
 
 def test_time_runs_backwards_only_with_a_confirmed_epoch() -> None:
     wall = [0.0]
     clock = TickClock(10 * MS, lambda: wall[0])
-    clock.judge(50 * MS, "0")
+    clock.judge(50 * MS, 0)
     clock.planned(50 * MS)
-    assert clock.judge(30 * MS, "0") is Due.STALE
+    assert clock.judge(30 * MS, 0) is Due.STALE
     for _ in range(CONFIRMATIONS - 1):
         wall[0] += SILENCE
-        assert clock.judge(0, "1") is Due.IMPLAUSIBLE
+        assert clock.judge(0, 1) is Due.IMPLAUSIBLE
     wall[0] += SILENCE
     news = []
     for _ in range(2):
-        assert clock.judge(0, "1") in (Due.PLAN, Due.REPEAT)
+        assert clock.judge(0, 1) in (Due.PLAN, Due.REPEAT)
         news.append(clock.new_epoch)
         clock.planned(0)
     assert news == [True, False]
     assert clock.epoch == 1
-    assert clock.judge(50 * MS, "0") is Due.STALE
-    for epoch in ("one", "-1", "1.0", "9" * 5000):
-        assert clock.judge(60 * MS, epoch) is Due.MALFORMED
+    assert clock.judge(50 * MS, 0) is Due.STALE
+
+
+def test_a_run_that_was_announced_begins_with_its_first_tick() -> None:
+    """Also where the step does not divide a second, so that the tick begins before the run."""
+    clock = TickClock(30 * MS)
+    clock.timeline.announce(0, 0)
+    clock.judge(0, 0)
+    clock.planned(0)
+    clock.timeline.announce(1, 2000 * MS)
+    assert clock.judge(30 * MS, 0) is Due.PLAN
+    assert clock.judge(1980 * MS, 1) is Due.PLAN
+    assert clock.new_epoch
+    assert clock.epoch == 1
+    assert clock.timeline.start_ns == 2000 * MS
+    assert clock.judge(30 * MS, 0) is Due.STALE
 
 
 def _timed(known_from: float | None, contact: str = "foot") -> ContactSchedule:

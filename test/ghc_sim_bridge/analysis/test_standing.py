@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -67,6 +68,16 @@ def test_torque_use_is_that_of_the_joint_nearest_its_limit() -> None:
     assert (use, joint) == (0.75, "a")
 
 
+def _report(forces: dict[str, float], use: float) -> Any:
+    """What is read of a ControllerState with these contacts on, and one that is off."""
+    contacts = [
+        SimpleNamespace(name=name, on=True, force=force, friction_use=use)
+        for name, force in forces.items()
+    ]
+    contacts.append(SimpleNamespace(name="off", on=False, force=0.0, friction_use=0.0))
+    return SimpleNamespace(contacts=contacts)
+
+
 def test_loads_are_compared_with_what_is_sensed_a_period_later() -> None:
     rng = np.random.default_rng(4)
     asked = rng.uniform(20.0, 40.0, 50)
@@ -77,7 +88,7 @@ def test_loads_are_compared_with_what_is_sensed_a_period_later() -> None:
     for k, force in enumerate(asked):
         trace.append(
             k * DT,
-            SimpleNamespace(contacts=["sole"], normal_forces=[force], friction_use=[0.3]),
+            _report({"sole": force}, 0.3),
         )
     figures = trace.figures(log_with(wrench), {"sole": UP})["sole"]
     assert figures.difference_rms_n == pytest.approx(0.5)
@@ -94,11 +105,7 @@ def test_a_contact_counts_while_it_is_on() -> None:
         names = ["sole", "unseen"] if k < 5 else []
         trace.append(
             k * DT,
-            SimpleNamespace(
-                contacts=names,
-                normal_forces=[10.0] * len(names),
-                friction_use=[0.0] * len(names),
-            ),
+            _report(dict.fromkeys(names, 10.0), 0.0),
         )
     wrench = np.zeros((10, 6))
     wrench[:6, 2] = 10.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ghc_sim_bridge.bridge.command_claim import CLAIM_TIME, CommandClaim, sender_of
+from ghc_sim_bridge.bridge.command_claim import CLAIM_TIME, CommandClaim
 
 
 def test_the_first_one_whose_command_is_used_is_followed() -> None:
@@ -34,9 +34,3 @@ def test_a_takeover_is_a_change_of_the_commander_and_not_the_first_one() -> None
     assert not claim.takes_over("mine")
     assert claim.takes_over("next")
     assert claim.takes_over("")
-
-
-def test_the_sender_stands_behind_the_epoch() -> None:
-    assert sender_of("3@controller.5f2a") == ("3", "controller.5f2a")
-    assert sender_of("3") == ("3", "")
-    assert sender_of("") == ("", "")

@@ -9,6 +9,7 @@ import pytest
 
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.safety.torque_gate import TorqueGate
+from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.logs.full_rate_log import INITIAL_ROWS, FullRateLog, FullRateLogBuffer, Source
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -74,13 +75,18 @@ def test_log_grows_without_losing_rows() -> None:
     np.testing.assert_array_equal(columns["epoch"], np.arange(rows) % 7)
 
 
-def test_reset_starts_the_next_epoch_at_time_zero() -> None:
+def test_a_reset_begins_the_next_epoch_at_a_whole_second_to_come() -> None:
+    """More than a second later, so that no reader takes its states for those of the run before."""
     cycle, _ = _cycle()
     start = cycle.state.q.copy()
     for _ in range(20):
         cycle.advance(cycle.simulator.bias() + 2.0)
     cycle.reset()
-    assert (cycle.time_ns, cycle.epoch) == (0, 1)
+    assert (cycle.time_ns, cycle.run_ns, cycle.epoch) == (2 * NANOSECONDS, 0, 1)
+    cycle.reset()
+    assert (cycle.time_ns, cycle.run_ns, cycle.epoch) == (4 * NANOSECONDS, 0, 2)
+    cycle.advance(None)
+    assert cycle.time_ns == cycle.start_ns + cycle.period_ns
     np.testing.assert_array_equal(cycle.state.q, start)
 
 

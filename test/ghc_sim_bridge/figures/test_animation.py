@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageChops, ImageSequence
 
+from ghc_sim_bridge.figures.animation import ARM_SIZE
 from ghc_sim_bridge.programs.picture import main
 from ghc_sim_bridge.scenario.plan import RunOptions
 from ghc_sim_bridge.scenario.planning import make_plan
@@ -59,6 +60,17 @@ def test_a_run_becomes_a_moving_picture(
     assert len(shown) == 4
     for earlier, later in pairwise(shown):
         assert ImageChops.difference(earlier, later).getbbox() is not None
+
+
+def test_the_robot_alone_is_a_smaller_picture(tmp_path: Path) -> None:
+    make_run(tmp_path)
+    file = tmp_path / "robot.gif"
+    code = main([*ARGUMENTS, "--robot-only", "--results", str(tmp_path), "--to", str(file)])
+    if code == 2:  # a machine without OpenGL
+        return
+    with Image.open(file) as image:
+        assert image.size == ARM_SIZE
+        assert len(list(ImageSequence.Iterator(image))) == 4
 
 
 def test_without_opengl_it_says_what_to_install(

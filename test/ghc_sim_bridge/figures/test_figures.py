@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up_run import DT, made_up
 
-from ghc_controller.robot.library import find_robot
-from ghc_sim_bridge.analysis.analysis import Analysis, analyse
 from ghc_sim_bridge.analysis.phase_table import outcome_lines, phase_table
 from ghc_sim_bridge.analysis.summary import make_summary, rounded, write_json
+from ghc_sim_bridge.figures.comparison import torque_comparison
 from ghc_sim_bridge.figures.run import run_figures
 from ghc_sim_bridge.figures.style import envelope, run_title, save_png, short_hierarchy
 from ghc_sim_bridge.figures.tasks import alpha_panels
@@ -20,8 +20,6 @@ from ghc_sim_bridge.scenario.plan import RunOptions
 from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
 
-DT = 1e-3
-JOINTS = tuple(f"joint_{k}" for k in range(1, 8))
 PNG_LIMIT = 150_000  # [bytes] so that figures can stand beside the documentation
 REQUIRED = {
     "scenario",
@@ -47,46 +45,6 @@ REQUIRED = {
 }
 
 
-def made_up(folder: Path, scenario: str) -> tuple[Analysis, ControllerTrace]:
-    """A log of smoothly moving joints with one torque step, and matching priorities."""
-    plan = make_plan(load_scenario(scenario), RunOptions(), folder)
-    time = np.arange(round(plan.duration / DT)) * DT
-    phase = np.linspace(0.0, 1.0, len(JOINTS))
-    q = 0.4 * np.sin(0.3 * time[:, None] + phase) + 0.5
-    v = 0.12 * np.cos(0.3 * time[:, None] + phase)
-    torque = 5.0 * q
-    torque[len(torque) // 2 :, 2] += 3.0
-    contact = np.zeros((len(time), 6))
-    contact[:, 2] = np.where(time > 5.0, 20.0, 0.0)
-    log = folder / "log.npz"
-    np.savez(
-        log,
-        time=time,
-        q=q,
-        v=v,
-        acceleration=-0.3 * v,
-        torque=torque,
-        commanded=torque,
-        source=np.zeros(len(time), np.uint8),
-        epoch=np.zeros(len(time), np.uint32),
-        cycle_time=np.full(len(time), 5e-4),
-        wrench_tool=contact,
-        joint_names=np.array(JOINTS),
-        control_dt=DT,
-    )
-    robot = find_robot("kuka_lwr")
-    analysis = analyse(plan, log, robot)
-    trace = ControllerTrace(tasks=("end_effector", "elbow", "posture"))
-    for t in np.arange(0.0, plan.duration, 0.01):
-        rise = float(np.clip((t - plan.phases[0].end) / 2.0, 0.0, 1.0))
-        trace.time.append(float(t))
-        trace.alpha.append([rise, 1.0 - rise, 0.0, rise, 0.0, 0.0, 1.0, 1.0, 0.0])
-        trace.errors.append([0.1, 0.1, 0.1])
-        trace.time_step.append(1e-4)
-    trace.counts = {"qp_failures": 0, "fallback_ticks": 0}
-    return analysis, trace
-
-
 def test_a_run_has_the_figures_that_its_data_allow(tmp_path: Path) -> None:
     static = run_figures(*made_up(tmp_path, "priority_switching"))
     moving = run_figures(*made_up(tmp_path, "lemniscate"))
@@ -110,6 +68,21 @@ def test_a_torque_rate_is_never_shown_without_its_control_period(tmp_path: Path)
     assert rates and all("1 ms" in label for label in rates)
     summary = make_summary(analysis, trace, {"sim_bridge": 0}, 10.0)
     assert "Nm/s @ 1 ms" in phase_table(summary)
+
+
+def test_torques_of_two_runs_stand_on_the_same_axes_with_rate_and_period(tmp_path: Path) -> None:
+    analysis, trace = made_up(tmp_path, "priority_switching")
+    summary = make_summary(analysis, trace, {"sim_bridge": 0}, 10.0)
+    log = analysis.log
+    larger = replace(log, torque=2.0 * log.torque)
+    axes = torque_comparison({"small": (summary, log), "large": (summary, larger)}).axes
+    assert axes[0].get_ylim() == axes[1].get_ylim()
+    start = summary["phases"][1]["t_start"]
+    for ax, shown in zip(axes, (log, larger), strict=True):
+        time, torque = map(np.asarray, ax.lines[0].get_data())
+        rows = np.searchsorted(log.time, time + start - 1e-9)
+        assert np.array_equal(torque, shown.torque[rows, 0])
+        assert time[0] < 0.0 < time[-1] and "Nm/s at 1 ms" in ax.get_title()
 
 
 def test_summary_has_every_promised_field(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The verdict on disturbed runs: who is up, who fell, and the count of both."""
+"""The status on disturbed runs: who is up, who fell, and the count of both."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ghc_sim_bridge.analysis.campaign_verdict import RunVerdict, campaign_table, judge, tally
+from ghc_sim_bridge.analysis.campaign_status import RunStatus, campaign_table, judge, tally
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.programs.campaign import disturbed_plan
 
@@ -42,20 +42,20 @@ def log_with_base(height: float, tilt: float) -> FullRateLog:
     [(0.6, 0.0, True), (0.5, 0.2, True), (0.4, 0.0, False), (0.6, 0.5, False), (0.1, 1.5, False)],
 )
 def test_up_is_high_and_level(height: float, tilt: float, up: bool) -> None:
-    verdict = judge(RunVerdict("s", True, 0), log_with_base(height, tilt), 0.6)
-    assert verdict.stays_up is up
-    assert verdict.tilt == pytest.approx(tilt, abs=1e-9)
-    assert verdict.peak_torque_rate == pytest.approx(2.0 / DT)
+    status = judge(RunStatus("s", True, 0), log_with_base(height, tilt), 0.6)
+    assert status.stays_up is up
+    assert status.tilt == pytest.approx(tilt, abs=1e-9)
+    assert status.peak_torque_rate == pytest.approx(2.0 / DT)
 
 
 def test_totals_count_per_scenario_and_side() -> None:
-    verdicts = [
-        RunVerdict("a", False, 0, stays_up=True),
-        RunVerdict("a", True, 0, stays_up=True),
-        RunVerdict("a", False, 1),
-        RunVerdict("a", True, 1, stays_up=True),
+    runs_done = [
+        RunStatus("a", False, 0, stays_up=True),
+        RunStatus("a", True, 0, stays_up=True),
+        RunStatus("a", False, 1),
+        RunStatus("a", True, 1, stays_up=True),
     ]
-    off, on = tally(verdicts)
+    off, on = tally(runs_done)
     assert (off.runs, off.stay_up, off.fallen_seeds) == (2, 1, (1,))
     assert (on.runs, on.stay_up, on.fallen_seeds) == (2, 2, ())
     assert "1 of 2" in campaign_table((off, on))

@@ -76,22 +76,15 @@ def made_up_log(duration: float, steps: dict[float, float], force: Any = None) -
 def report(**fields: Any) -> Any:
     """What is read of a ControllerState."""
     empty: dict[str, Any] = {
-        "bounded_contacts": [],
-        "contact_lower": [],
-        "contact_upper": [],
-        "contact_forces": [],
+        "contacts": [],
         "obstacles": [],
     }
     return SimpleNamespace(**(empty | fields))
 
 
 def bounded(upper: float, asked: float) -> Any:
-    return report(
-        bounded_contacts=["tool"],
-        contact_lower=[0.0],
-        contact_upper=[upper],
-        contact_forces=[asked],
-    )
+    tool = SimpleNamespace(name="tool", planned=True, lower=0.0, upper=upper, force=asked)
+    return report(contacts=[tool])
 
 
 def threatened(position: list[float], velocity: list[float]) -> Any:

@@ -119,7 +119,7 @@ def test_a_torque_rate_goes_with_every_transition_and_into_the_name_of_the_folde
         plan = make_plan(own, options, tmp_path)
         assert (plan.torque_rate, plan.folder.name) == (rate, folder)
         # The priorities at the start come at once: there is no ramp that could keep it.
-        sent = [transition_message(item).torque_rate for item in scripted_transitions(plan)]
+        sent = [transition_message(item, 0.0).torque_rate for item in scripted_transitions(plan)]
         assert sent == [0.0, rate, rate]
     assert load_scenario(write(tmp_path)).torque_rate == 0.0
 
@@ -433,3 +433,22 @@ def test_every_variant_of_foot_lift_is_pushed_where_its_scenario_says() -> None:
     for variant in load_scenario("foot_lift").variants:
         parameters = load_scenario("foot_lift", variant).parameters["sim_bridge"]
         assert parameters["disturbance_push_frame"] == "chest"
+
+
+@pytest.mark.parametrize(
+    ("node", "values", "words"),
+    [
+        ("sim_bridge", {"watchdog_timeout": 0.0}, "watchdog_timeout: a number above 0 expected"),
+        ("sim_bridge", {"lossless": "yes"}, "lossless: true or false expected, 'yes' given"),
+        ("sim_bridge", {"publish_contact": True}, "publish_contact: unknown field; known: "),
+        ("recorder", {"fast_rate": -1.0}, "fast_rate: a number above 0 expected, -1"),
+        ("recorder", {"record_mode": "some"}, "record_mode: 'some' given; known: decimated, full"),
+        ("viewer", {"display": "wall"}, "display: 'wall' given; known: auto, window, browser"),
+        ("controller", {"velocity_horizon": 0.0}, "velocity_horizon: a number above 0 expected"),
+    ],
+)
+def test_parameters_of_every_node_are_checked_when_the_file_is_read(
+    tmp_path: Path, node: str, values: dict[str, object], words: str
+) -> None:
+    with pytest.raises(ConfigurationError, match=rf"mine.yaml: parameters.{node}.{words}"):
+        load_scenario(write(tmp_path, parameters={node: values}))

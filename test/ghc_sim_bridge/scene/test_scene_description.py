@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from robot_scenes import FIXED_SCENES
 
 from ghc_controller.errors import ConfigurationError, GhcError, UnknownName
+from ghc_controller.migration.names import RENAMED, Kind, Renamed
+from ghc_controller.robot.library import load_robot
 from ghc_sim_bridge.scene.description import find_scene, list_scenes, load_scene
 from ghc_sim_bridge.simulation.mujoco_model import build_model
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -17,9 +20,21 @@ SCENE = """
 robot: kuka_lwr
 start: {joint_1: 0.1}
 surfaces: [{name: ground, kind: plane, top: [0, 0, -0.5]}]
-contacts: [{name: tip, frame: tool, radius: 0.03, points: [[0, 0, 0], [0, 0, 0.1]]}]
+contacts: [{name: tool, radius: 0.03, inward: [0, 0, -1]}]
 camera: {look_at: [0, 0, 0.5], distance: 2, azimuth: 120, elevation: -20}
 """
+
+
+TOOL = "{name: tool, frame: tool, points: [[0, 0, 0]], normal: [0, 0, 1]}"
+
+
+def robot_file(folder: Path, more: str = "floating_base: false") -> None:
+    """The arm with one task, in a robot.yaml of its own."""
+    (folder / "arm.urdf").write_bytes(load_robot("kuka_lwr").urdf.read_bytes())
+    task = "{name: posture, kind: posture, stiffness: 30, damping: 20}"
+    (folder / "robot.yaml").write_text(
+        f"{{name: arm, urdf: arm.urdf, tasks: [{task}], hierarchy: posture, {more}}}", "utf-8"
+    )
 
 
 def scene_file(folder: Path, text: str = SCENE) -> Path:
@@ -47,11 +62,35 @@ def test_every_scene_starts_inside_the_joint_limits_and_above_its_surfaces(name:
 def test_a_scene_file_of_the_user_is_read_as_it_stands(tmp_path: Path) -> None:
     simulator = Simulator(scene_file(tmp_path))
     assert simulator.start.tolist() == [0.1, 0, 0, 0, 0, 0, 0]
-    assert list(simulator.contact_wrenches()) == ["tip"]
+    assert list(simulator.contact_wrenches()) == ["tool"]
     assert simulator.model.opt.gravity.tolist() == [0.0, 0.0, -9.81]
-    spheres = [simulator.model.geom(f"contact/tip/{k}") for k in range(2)]
-    assert [sphere.size[0] for sphere in spheres] == [0.03, 0.03]
-    assert spheres[1].pos[2] - spheres[0].pos[2] == pytest.approx(0.1)
+    assert simulator.model.geom("contact/tool/0").size[0] == 0.03
+
+
+def test_balls_touch_at_the_points_of_the_robot_file_or_are_around_them() -> None:
+    simulator = Simulator("icub_table")
+    robot, model = simulator.scene.robot, simulator.model
+    for contact in simulator.scene.contacts:
+        place = robot.contact_places[contact.name]
+        assert contact.frame == place.frame
+        inward = np.zeros(3) if contact.inward is None else np.array(contact.inward)
+        site = model.site(place.frame)
+        for k, point in enumerate(place.points):
+            ball = model.geom(f"contact/{contact.name}/{k}")
+            turned = np.zeros(9)
+            mujoco.mju_quat2Mat(turned, site.quat)
+            center = site.pos + turned.reshape(3, 3) @ (point + contact.radius * inward)
+            np.testing.assert_allclose(ball.pos, center, rtol=0.0, atol=1e-12)
+
+
+def test_limits_are_those_of_the_robot() -> None:
+    for name in ("kuka_lwr", "icub_standing"):
+        simulator = Simulator(name)
+        model = simulator.scene.robot.model
+        order = [model.joint_index(joint) for joint in simulator.joint_names]
+        assert np.array_equal(simulator.torque_limit, model.torque_limit[order])
+        assert np.array_equal(simulator.velocity_limit, model.velocity_limit[order])
+        assert np.array_equal(simulator.position_limits.T[0], model.position_lower[order])
 
 
 def test_nothing_of_the_scene_changes_the_robots_masses(tmp_path: Path) -> None:
@@ -83,8 +122,8 @@ def test_the_robot_does_not_touch_itself() -> None:
         ("kind: plane,", "kind: box, size: [1, 1, 0],", r"surfaces\[0\].size: lengths above 0"),
         ("kind: plane,", "kind: plane, hieght: 1,", r"surfaces\[0\].hieght: unknown field"),
         ("radius: 0.03", "radius: -1", r"contacts\[0\].radius: a number >= 0.0001 expected, -1"),
-        ("[[0, 0, 0], [0, 0, 0.1]]", "[[0, 0]]", r"points\[0\]: 3 numbers expected, 2 given"),
-        ("[[0, 0, 0], [0, 0, 0.1]]", "[]", r"points: a list of vectors of 3 numbers"),
+        ("[0, 0, -1]", "[0, 0, -2]", r"contacts\[0\].inward: length 1 expected, 2 given"),
+        ("name: tool", "name: tip", r"contacts\[0\].name: 'tip' given, .*known: tool"),
         ("distance: 2,", "", "camera.distance: missing; given: "),
         ("surfaces:", "surface:", "surface: unknown field; known: .*surfaces"),
     ],
@@ -99,7 +138,6 @@ def test_what_cannot_be_used_is_named(tmp_path: Path, old: str, new: str, messag
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("frame: tool", "frame: hand", "unknown frame of contact 'tip' 'hand'; known: .*tool"),
         ("joint_1", "joint_9", "unknown joint in 'start' of .*'joint_9'; known: joint_1"),
     ],
 )
@@ -108,6 +146,14 @@ def test_names_that_the_robot_does_not_have_are_named(
 ) -> None:
     with pytest.raises(UnknownName, match=message):
         Simulator(scene_file(tmp_path, SCENE.replace(old, new)))
+
+
+@pytest.mark.parametrize("row", [row for row in RENAMED if row.kind is Kind.SCENE])
+def test_what_the_robot_file_says_now_is_named(tmp_path: Path, row: Renamed) -> None:
+    field = row.old.removeprefix("contacts.")
+    text = SCENE.replace("radius:", f"{field}: tool, radius:")
+    with pytest.raises(ConfigurationError, match=rf"contacts\[0\].{field}: it is '{row.new}' now"):
+        load_scene(scene_file(tmp_path, text))
 
 
 def test_an_unknown_scene_is_refused_with_the_ones_that_exist(tmp_path: Path) -> None:
@@ -134,8 +180,7 @@ def test_an_unknown_scene_is_refused_with_the_ones_that_exist(tmp_path: Path) ->
 def test_where_a_base_starts_is_given_for_a_floating_one_only(
     tmp_path: Path, floating: str, base: str, message: str
 ) -> None:
-    (tmp_path / "robot.yaml").write_text(f"{{urdf: x.urdf, floating_base: {floating}}}", "utf-8")
-    (tmp_path / "x.urdf").touch()
+    robot_file(tmp_path, f"floating_base: {floating}, contacts: [{TOOL}]")
     text = SCENE.replace("robot: kuka_lwr", "robot: ./robot.yaml") + base
     with pytest.raises(ConfigurationError, match=message):
         load_scene(scene_file(tmp_path, text))
@@ -144,7 +189,7 @@ def test_where_a_base_starts_is_given_for_a_floating_one_only(
 @pytest.mark.parametrize(
     ("urdf", "message"),
     [
-        (None, "arm.urdf' does not exist"),
+        (None, "arm.urdf: robot model does not exist"),
         ("no xml at all", "not a URDF"),
         ("<robot name='arm'><link name='a'/><joint/></robot>", "arm.urdf: .*"),
     ],
@@ -152,7 +197,8 @@ def test_where_a_base_starts_is_given_for_a_floating_one_only(
 def test_a_urdf_that_cannot_be_used_is_named(
     tmp_path: Path, urdf: str | None, message: str
 ) -> None:
-    (tmp_path / "robot.yaml").write_text("{urdf: arm.urdf}", encoding="utf-8")
+    robot_file(tmp_path)
+    (tmp_path / "arm.urdf").unlink()
     if urdf is not None:
         (tmp_path / "arm.urdf").write_text(urdf, encoding="utf-8")
     file = scene_file(tmp_path, SCENE.replace("robot: kuka_lwr", "robot: ./robot.yaml"))

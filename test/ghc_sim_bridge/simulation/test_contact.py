@@ -144,14 +144,21 @@ def falling_ball(folder: Path, mass: float, control_dt: float = 1e-3) -> Simulat
         encoding="utf-8",
     )
     (folder / "robot.yaml").write_text(
-        "{name: ball, urdf: ball.urdf, floating_base: false, tasks: []}", encoding="utf-8"
+        """
+      name: ball
+      urdf: ball.urdf
+      tasks: [{name: height, kind: posture, stiffness: 1, damping: 1}]
+      hierarchy: height
+      contacts: [{name: foot, frame: centre, points: [[0, 0, -0.05]], normal: [0, 0, 1]}]
+    """,
+        encoding="utf-8",
     )
     (folder / "ball.yaml").write_text(
         """
       robot: ./robot.yaml
       start: {height: 0.0}
       surfaces: [{name: floor, kind: plane}]
-      contacts: [{name: foot, frame: centre, radius: 0.05, friction: 0.0}]
+      contacts: [{name: foot, radius: 0.05, inward: [0, 0, 1], friction: 0.0}]
       camera: {look_at: [0, 0, 0], distance: 1, azimuth: 0, elevation: 0}
     """,
         encoding="utf-8",

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ghc_controller.contacts import Contact
+from ghc_controller.contacts.registry import make_contact
 from ghc_controller.controller import Controller
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.robot.library import find_robot
@@ -54,7 +54,7 @@ def _pushing(smoothing: bool) -> Run:
         "normal": [0, 0, 1],
     }
     entry |= {"friction": 0.0, "force_task": {"weight": 1.0}}
-    contact = Contact.from_config(Fields(entry, "test"), robot.model)
+    contact = make_contact(Fields(entry, "test"), robot.model)
     controller = Controller(replace(robot, contacts=(contact,)), SETTINGS)
     simulator.reset(_above_the_table(controller, q))
     generator = ContactForceBounds(ForceBoundSettings(smoothing=smoothing))

@@ -29,13 +29,10 @@ class JointSum(Task):
             np.array([fields.number("reference")]) if fields.has("reference") else None,
         )
 
-    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
+    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
         """J = (1, .., 1), without drift."""
-        jacobian = np.zeros((1, model.nv))
-        jacobian[:, -model.na :] = 1.0
-        error = target.position - self.current(model)
-        velocity_error = target.velocity - jacobian @ model.v
-        self.fill(out, jacobian, np.zeros(1), error, velocity_error, target.acceleration)
+        out.error[:] = reference.position - self.current(model)
+        out.jacobian[:, -model.na :] = 1.0
 
     def current(self, model: RobotModel) -> Array:
         """Sum of the joint positions now, (1,) [rad]."""

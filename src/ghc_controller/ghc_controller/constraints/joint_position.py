@@ -8,19 +8,20 @@ from collections.abc import Sequence
 import numba
 
 from ghc_controller.constraints.constraint import (
-    Constraint,
+    BoxConstraint,
     Softness,
     Space,
     Tick,
     positive_per_joint,
 )
 from ghc_controller.constraints.jerk_kernels import position_bound
+from ghc_controller.errors import UnknownName
 from ghc_controller.previews.limits_in_force import LimitsInForce
-from ghc_controller.previews.preview import JOINT_LIMITS
+from ghc_controller.previews.preview import JOINT_LIMITS, Preview
 from ghc_controller.types import Array
 
 
-class JointPositionLimit(Constraint):
+class JointPositionLimit(BoxConstraint):
     """Viability: |v| <= sqrt(2 a_brake (q_max - q)) one control period from now.
 
     A joint that satisfies it stops before its limit by braking with a_brake [rad/s^2], which is
@@ -44,6 +45,7 @@ class JointPositionLimit(Constraint):
 
     space = Space.ACCELERATION
     softness = Softness.SOFT
+    kind = JOINT_LIMITS
 
     def __init__(
         self,
@@ -67,6 +69,18 @@ class JointPositionLimit(Constraint):
         )
         names = tuple(joints) or tuple(f"joint_{i + 1}" for i in range(count))
         self.limits = LimitsInForce(JOINT_LIMITS, names, lower, upper)
+
+    def follow(self, preview: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
+        """See `LimitsInForce.follow`."""
+        return self.limits.follow(preview, now)
+
+    def is_stale(self, time: float) -> bool:
+        """Whether the preview has ended at `time` [s]."""
+        return self.limits.is_stale(time)
+
+    def reset(self) -> None:
+        """Forget the preview."""
+        self.limits.reset()
 
     def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the acceleration box of this state."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 
 from ghc_controller.constraints.constraint import (
-    Constraint,
+    BoxConstraint,
     Softness,
     Space,
     Tick,
@@ -15,7 +15,7 @@ from ghc_controller.constraints.jerk_kernels import velocity_bound
 from ghc_controller.types import Array
 
 
-class JointVelocityLimit(Constraint):
+class JointVelocityLimit(BoxConstraint):
     """(-limit - v) / h <= dv <= (limit - v) / h per joint.
 
     Approaching the limit no faster than exponentially with time constant h [s] costs less torque

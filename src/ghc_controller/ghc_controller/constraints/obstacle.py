@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from ghc_controller.constraints.constraint import Constraint, Rows, Softness, Space, Tick
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.previews.motion import PlannedMotion
 from ghc_controller.previews.preview import OBSTACLE_MOTION, Preview
-from ghc_controller.problem.control_problem import AccelerationRows
 from ghc_controller.types import Array
 
 
-class ObstacleDistance:
+class ObstacleDistance(Constraint):
     """Keeps protected frames at their safe distance from virtual obstacles.
 
     Thesis, eq. 4.1 to 4.3, solved for the acceleration: with n the unit normal from obstacle to
@@ -22,13 +22,16 @@ class ObstacleDistance:
         n . J x >= 2 / dt^2 (d_s - d - n . (v_r - v_o) dt) - n . (dJ/dt v) + n . a_o
 
     keeps d at d_s or more after dt, if x and a_o stay. A longer horizon brakes earlier and
-    softer. The rows are soft: they give way before torques do.
+    softer. The rows are soft: they are relaxed before torques are.
     """
 
+    space = Space.ACCELERATION
+    softness = Softness.SOFT
     kind = OBSTACLE_MOTION
 
-    def __init__(self, model: RobotModel, horizon: float) -> None:
+    def __init__(self, model: RobotModel, horizon: float, name: str = "obstacle") -> None:
         """`horizon` [s] > 0; InvalidValue otherwise."""
+        super().__init__(name)
         if not (np.isfinite(horizon) and horizon > 0.0):
             raise InvalidValue(f"obstacle horizon {horizon} s given, more than 0 expected")
         self._model = model
@@ -42,19 +45,23 @@ class ObstacleDistance:
         self._no_upper = np.zeros(0)
         self.names: tuple[str, ...] = ()
 
-    def follow(self, plan: Preview, _now: float | None = None) -> tuple[UnknownName, ...]:
+    def follow(
+        self,
+        preview: Preview,
+        now: float | None = None,  # noqa: ARG002
+    ) -> tuple[UnknownName, ...]:
         """Take a plan over, as far as its protected frames exist; obstacles not in it have gone.
 
         Returns:
             What is wrong with each frame whose obstacles were left out; empty when none was.
         """
-        known = self._model.frame_names
+        plan, known = preview, self._model.frame_names
         given = dict.fromkeys(entry.frame for entry in plan.motions)
         unknown = tuple(frame for frame in given if frame not in known)
         if unknown:
             plan = plan.only([entry.frame not in unknown for entry in plan.motions])
         self._frames = tuple(self._model.frame_id(entry.frame) for entry in plan.motions)
-        self.names = tuple(f"obstacle.{entry.id}" for entry in plan.motions)
+        self.names = tuple(f"{self.name}.{entry.id}" for entry in plan.motions)
         self._no_upper = np.full(len(plan.motions), np.inf)
         self._plan = plan
         return tuple(UnknownName("protected frame", frame, known) for frame in unknown)
@@ -71,20 +78,20 @@ class ObstacleDistance:
         plan = self._plan
         return plan is not None and bool(plan.motions) and plan.has_ended(time)
 
-    def rows(self, time: float) -> AccelerationRows | None:
-        """Rows at the state of the last `model.update`; None without obstacles."""
+    def rows(self, tick: Tick) -> Rows | None:
+        """A row for each obstacle; None without any."""
         plan = self._plan
         if plan is None or not plan.motions:
             return None
         matrix = np.empty((len(plan.motions), self._model.nv))
         lower = np.empty(len(plan.motions))
         for row, (entry, frame_id) in enumerate(zip(plan.motions, self._frames, strict=True)):
-            state, frame = plan.motion_at(row, time), self._model.frame(frame_id)
+            state, frame = plan.motion_at(row, tick.state.time), self._model.frame(frame_id)
             motion = (frame.jacobian, frame.position, frame.velocity, frame.drift)
             lower[row] = distance_row(
                 *motion, entry.normal, state, entry.safe_distance, self._horizon, matrix[row]
             )
-        return AccelerationRows(matrix, lower, self._no_upper, self.names)
+        return Rows(matrix, lower, self._no_upper, self.names)
 
 
 @njit(cache=True)

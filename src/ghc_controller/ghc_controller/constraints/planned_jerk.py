@@ -36,6 +36,7 @@ class PlannedJerk:
         share: kappa of the last update.
         jerk: (a,) [rad/s^3] of the last update, which the next one overwrites.
         drift: (a,) [Nm/s] magnitude of delta in force.
+        carried: (a, n) G of the last update.
     """
 
     def __init__(self, rate: Array | float, joints: int) -> None:
@@ -43,6 +44,7 @@ class PlannedJerk:
         self.rate = positive_per_joint(rate, joints, "torque_rate")
         self.share = 0.0
         self.jerk, self.drift = np.empty(joints), np.zeros(joints)
+        self.carried = np.zeros((joints, joints))
         self._seen: _Seen | None = None
 
     def reset(self) -> None:
@@ -60,7 +62,7 @@ class PlannedJerk:
             dt: [s] control period.
         """
         rows = _NO_CONTACTS if contacts is None else np.ascontiguousarray(contacts)
-        carried = base_follows(dynamics.mass_matrix, rows, len(self.rate))
+        carried = self.carried = base_follows(dynamics.mass_matrix, rows, len(self.rate))
         self._measure(carried, dynamics, state, dt)
         self.share = share_rate(dynamics.mass_matrix, carried, self.drift, self.rate, self.jerk)
         return self.jerk

@@ -9,14 +9,15 @@ import numba
 import numpy as np
 
 from ghc_controller.constraints.constraint import (
-    Constraint,
+    BoxConstraint,
     Softness,
     Space,
     Tick,
     positive_per_joint,
 )
+from ghc_controller.errors import UnknownName
 from ghc_controller.previews.limits_in_force import LimitsInForce
-from ghc_controller.previews.preview import TORQUE_LIMITS
+from ghc_controller.previews.preview import TORQUE_LIMITS, Preview
 from ghc_controller.types import Array
 
 
@@ -27,7 +28,7 @@ class TorqueCenter(Enum):
     GRAVITY = "gravity"  # |tau - g(q)| <= limit: what is left beside carrying the arm
 
 
-class TorqueLimit(Constraint):
+class TorqueLimit(BoxConstraint):
     """center - limit <= tau <= center + limit per actuated joint [Nm]; never gives way."""
 
     space = Space.TORQUE
@@ -49,9 +50,23 @@ class TorqueLimit(Constraint):
         self.limit = positive_per_joint(limit, joints, name)
         self.around = around
         self._zero = np.zeros(joints)
-        self.limits = (
-            LimitsInForce(TORQUE_LIMITS, follows, -self.limit, self.limit) if follows else None
-        )
+        self.limits: LimitsInForce | None = None
+        if follows:
+            self.kind = TORQUE_LIMITS
+            self.limits = LimitsInForce(TORQUE_LIMITS, follows, -self.limit, self.limit)
+
+    def follow(self, preview: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
+        """See `LimitsInForce.follow`; InvalidValue where none is followed."""
+        return super().follow(preview) if self.limits is None else self.limits.follow(preview, now)
+
+    def is_stale(self, time: float) -> bool:
+        """Whether the preview has ended at `time` [s]."""
+        return self.limits is not None and self.limits.is_stale(time)
+
+    def reset(self) -> None:
+        """Forget the preview."""
+        if self.limits is not None:
+            self.limits.reset()
 
     def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the torque box of this state."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ghc_controller.constraints.constraint import (
-    Constraint,
+    BoxConstraint,
     Softness,
     Space,
     Tick,
@@ -15,7 +15,7 @@ from ghc_controller.constraints.torque_limit import box_around
 from ghc_controller.types import Array
 
 
-class TorqueRateLimit(Constraint):
+class TorqueRateLimit(BoxConstraint):
     """previous -+ rate dt per actuated joint, around the torque that was applied last.
 
     Gives way after position and velocity limits and before torque limits. Without a previous

@@ -1,14 +1,18 @@
-"""One contact of the robot with its surroundings, as the robot's file describes it."""
+"""One contact of the robot with its environment, as the robot's file describes it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Self
 
 import numpy as np
 
+from ghc_controller.contacts.kernels import write_force_map, write_point_motion
+from ghc_controller.contacts.pyramid import largest_friction_use, point_cone
 from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.errors import InvalidField, InvalidValue
+from ghc_controller.model.frames import FrameTerms
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.follower import Follower
 from ghc_controller.schema.declared import declared
@@ -19,7 +23,7 @@ from ghc_controller.types import Array
 
 Vector = tuple[float, float, float]
 
-_SURFACE_POINTS = 3  # as many points fix all six coordinates of a frame
+STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
 
 
 class OnStale(Enum):
@@ -78,11 +82,13 @@ class ContactFields:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contact:
-    """A point, a line or a surface of one frame on something fixed.
+    """Points of one frame on something fixed: kind `point`, and the base of all others.
 
-    With friction and three or more points all six coordinates of the frame stay still (eq. 5.1 of
-    the thesis), with fewer points those of each point; without friction only the motion along the
-    normal is kept still, and only a normal force acts.
+    A kind answers three questions: which motion is kept still (`motion_rows`, `write_motion`),
+    where its forces act (`forces`, `normal`, `write_forces`), and which forces are possible
+    (`cone`, `friction_use`). Here each point is kept still along `force_axes` (eq. 5.1 of the
+    thesis) and carries a force along them: all three with friction, else the normal alone. A
+    kind that changes `force_axes` only needs nothing else.
     """
 
     name: str  # as in contacts/<name> and in schedules
@@ -98,22 +104,61 @@ class Contact:
     sensing: Sensing | None = None  # None: it follows its schedule alone
 
     @property
-    def is_surface(self) -> bool:
-        """True when the frame is held as a whole."""
-        return self.friction > 0.0 and self.points.shape[0] >= _SURFACE_POINTS
-
-    @property
     def force_axes(self) -> Array:
-        """Directions (a, 3) of the force at each point: all three, or the normal."""
+        """Directions (a, 3) of the force at each point, C-contiguous, the normal last."""
         return self.axes if self.friction > 0.0 else self.axes[2:]
 
     @property
     def motion_rows(self) -> int:
-        """How many accelerations it fixes."""
-        return 6 if self.is_surface else self.force_axes.shape[0] * self.points.shape[0]
+        """How many accelerations it fixes, q."""
+        return self.forces
+
+    def write_motion(self, frame: FrameTerms, jacobian: Array, target: Array) -> None:
+        """Write J (q, n) and the accelerations J x (q,) that keep it still.
+
+        Args:
+            frame: its frame at the last `model.update`.
+        """
+        write_point_motion(
+            frame.rotation,
+            frame.velocity,
+            frame.drift,
+            self.points,
+            self.force_axes,
+            STOPPING_RATE,
+            target,
+        )
+        self.write_forces(frame, jacobian)
+
+    @property
+    def forces(self) -> int:
+        """How many force coordinates it has, c."""
+        return self.points.shape[0] * self.force_axes.shape[0]
+
+    @property
+    def normal(self) -> Array:
+        """(c,) e, with the normal force of the whole contact F_n = e^T f; entries 0 or 1."""
+        e = np.zeros(self.force_axes.shape[0])
+        e[-1] = 1.0
+        return np.tile(e, self.points.shape[0])
+
+    def write_forces(self, frame: FrameTerms, jacobian: Array) -> None:
+        """Write J_f (c, n): forces f exert the generalized force J_f^T f."""
+        write_force_map(frame.rotation, frame.jacobian, self.points, self.force_axes, jacobian)
+
+    def cone(self) -> Array:
+        """Rows (r, c) with rows f <= 0: what friction can hold, and that nothing pulls."""
+        one = point_cone(self.friction, self.force_axes)
+        return np.asarray(np.kron(np.eye(self.points.shape[0]), one), dtype=np.float64)
+
+    def friction_use(self, force: Array) -> float:
+        """Largest |F_t| / (mu F_n) [-] of a point, of f (c,) [N]; 0 without friction."""
+        if self.friction == 0.0 or self.force_axes.shape[0] == 1:
+            return 0.0
+        return largest_friction_use(force.reshape(-1, 3), self.friction)
 
     @classmethod
-    def from_config(cls, fields: Fields, model: RobotModel) -> Contact:
+    def from_config(cls, fields: Fields, model: RobotModel) -> Self:
         """Build from one entry of `contacts` in robot.yaml, whose `kind` is already read.
 
         Raises:

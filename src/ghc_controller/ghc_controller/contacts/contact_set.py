@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ghc_controller.constraints.constraint import Rows
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.force_cost import ForceCost
-from ghc_controller.contacts.kernels import force_limits, write_contact
+from ghc_controller.contacts.kernels import force_limits
 from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
@@ -19,16 +20,13 @@ from ghc_controller.problem.control_problem import ContactRows
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.types import Array
 
-_STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
-CARRIES = 0.1  # [N] of normal force: below it the share of friction is noise
-_PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
+_NONE = np.zeros(0)
 
 
 class _Part(NamedTuple):
     """One contact that is on."""
 
     contact: Contact
-    axes: Array  # (a, 3) its force axes
     force: slice  # its entries in c
     motion: slice  # its rows in q
 
@@ -40,9 +38,11 @@ class _Layout:
     places: NDArray[np.intp]  # of the contacts that are on
     parts: tuple[_Part, ...]  # the same contacts
     motion_rows: int  # q
-    force_matrix: Array  # (r, c)
-    names: tuple[str, ...]  # (r,)
     normals: Array  # (contacts on, c) sums of their normal forces
+    normal_names: tuple[str, ...]  # (contacts on,)
+    cones: Rows  # (r, c) rows at most 0
+    no_rows: Array  # (0, c)
+    forces: tuple[tuple[str, slice], ...]  # names of the contacts, and their entries of c
 
 
 class ContactSet:
@@ -64,6 +64,7 @@ class ContactSet:
                 raise InvalidValue(f"contact name '{name}' is given twice; names must differ")
         self._cost = ForceCost(self.contacts, weight_force)
         self._layouts: dict[tuple[bool, ...], _Layout] = {}
+        self._on: tuple[_Layout, NormalBounds] | None = None
 
     def rows(
         self,
@@ -74,49 +75,51 @@ class ContactSet:
     ) -> ContactRows | None:
         """Rows of the contacts that are on at the last `model.update`; None without any.
 
+        Those on the forces are constraints of their own: `normal_rows`, `cone_rows`.
+
         Args:
             references: of the force tasks, by the name of the contact.
             time: [s].
         """
+        self._on = None
         if not any(bounds.active):
             return None
         layout = self._layouts.get(bounds.active)
         if layout is None:
             layout = self._layouts[bounds.active] = _layout(self.contacts, bounds.active)
+        self._on = layout, bounds
         q, c = layout.motion_rows, layout.normals.shape[1]
         force_jacobian = np.empty((c, model.nv))
         jacobian, drift_target = np.empty((q, model.nv)), np.empty(q)
-        for contact, axes, force, motion in layout.parts:
+        for contact, force, motion in layout.parts:
             frame = model.frame(contact.frame_id)
-            write_contact(
-                frame.rotation,
-                frame.jacobian,
-                frame.velocity,
-                frame.drift,
-                contact.points,
-                axes,
-                _STOPPING_RATE,
-                contact.is_surface,
-                force_jacobian[force],
-                jacobian[motion],
-                drift_target[motion],
-            )
-        lower, upper = force_limits(
-            bounds.lower, bounds.upper, layout.places, layout.force_matrix.shape[0]
-        )
+            contact.write_forces(frame, force_jacobian[force])
+            contact.write_motion(frame, jacobian[motion], drift_target[motion])
         center, factor = self._cost.of(layout.places, references, time)
         return ContactRows(
             jacobian,
             drift_target,
             force_jacobian,
-            layout.force_matrix,
-            lower,
-            upper,
+            layout.no_rows,
+            _NONE,
+            _NONE,
             center,
             factor,
-            layout.names,
-            len(layout.parts),
+            (),
+            forces=layout.forces,
         )
+
+    def normal_rows(self) -> Rows | None:
+        """Bounds on the normal force of each contact of the last `rows` (thesis, eq. 5.5)."""
+        if self._on is None:
+            return None
+        layout, bounds = self._on
+        lower, upper = force_limits(bounds.lower, bounds.upper, layout.places)
+        return Rows(layout.normals, lower, upper, layout.normal_names)
+
+    def cone_rows(self) -> Rows | None:
+        """What friction can hold, at each contact of the last `rows` (thesis, eq. 5.3)."""
+        return None if self._on is None else self._on[0].cones
 
     def begin(self, time: float) -> None:
         """Start a step at `time` [s]; the same time again starts from the same forces."""
@@ -165,10 +168,7 @@ class ContactSet:
         if layout is None or not force.shape[0]:
             return use
         for place, part in zip(layout.places, layout.parts, strict=True):
-            contact = part.contact
-            if contact.friction > 0.0:
-                points = force[part.force].reshape(-1, part.axes.shape[0])
-                use[place] = largest_friction_use(points, contact.friction)
+            use[place] = part.contact.friction_use(force[part.force])
         return use
 
 
@@ -178,49 +178,29 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
     q = c = 0
     for place in places:
         contact = contacts[place]
-        axes = np.ascontiguousarray(contact.force_axes)
-        force = slice(c, c + contact.points.shape[0] * axes.shape[0])
+        force = slice(c, c + contact.forces)
         motion = slice(q, q + contact.motion_rows)
-        parts.append(_Part(contact, axes, force, motion))
+        parts.append(_Part(contact, force, motion))
         names.append(f"contact.{contact.name}")
         q, c = motion.stop, force.stop
     normals = np.zeros((len(places), c))
     cones: list[Array] = []
-    for k, (contact, axes, force, _) in enumerate(parts):
-        step = axes.shape[0]
-        normals[k, force.start + step - 1 : force.stop : step] = 1.0
-        for point in range(contact.points.shape[0]):
-            first = force.start + point * step
-            cones.append(_cone(contact.friction, first, c))
-            names += [f"contact.{contact.name}.friction"] * cones[-1].shape[0]
-    matrix = np.vstack([normals, *cones])
+    cone_names: list[str] = []
+    for k, (contact, force, _) in enumerate(parts):
+        normals[k, force] = contact.normal
+        cone = contact.cone()
+        rows = np.zeros((cone.shape[0], c))
+        rows[:, force] = cone
+        cones.append(rows)
+        cone_names += [f"contact.{contact.name}.friction"] * cone.shape[0]
+    r = len(cone_names)
     return _Layout(
         places,
         tuple(parts),
         q,
-        matrix,
-        tuple(names),
         normals,
+        tuple(names),
+        Rows(np.vstack(cones), np.full(r, -np.inf), np.zeros(r), tuple(cone_names)),
+        np.zeros((0, c)),
+        tuple((part.contact.name, part.force) for part in parts),
     )
-
-
-def largest_friction_use(force: Array, friction: float) -> float:
-    """Largest |F_t| / (mu F_n) [-] of forces (p, 3) [N], the normal last; 0 below `CARRIES`."""
-    carrying = force[force[:, 2] > CARRIES]
-    if not carrying.shape[0]:
-        return 0.0
-    tangential = np.linalg.norm(carrying[:, :2], axis=1)
-    return float((tangential / (friction * carrying[:, 2])).max())
-
-
-def _cone(friction: float, first: int, c: int) -> Array:
-    """Rows at most 0 (thesis, eq. 5.3) of one point: a pyramid, or only -F_n without friction."""
-    if friction == 0.0:
-        rows = np.zeros((1, c))
-        rows[0, first] = -1.0
-        return rows
-    rows = np.zeros((4, c))
-    for k, (axis, sign) in enumerate(((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0))):
-        rows[k, first + axis] = sign
-        rows[k, first + 2] = -friction / _PYRAMID
-    return rows

@@ -19,8 +19,8 @@ _LEAST_LOAD = 2.0  # [N] below it a contact counts as no lighter
 class ForceCost:
     """Small forces, each contact used in proportion to what it carries, and force tasks.
 
-    With F = e^T f, the sum of the normal forces of one contact's p points, and u = f - e F / p,
-    what moves its centre of pressure and what friction holds, the cost of a contact is
+    With F = e^T f, the sum of the normal forces of one contact, p = e^T e of its points, and
+    u = f - e F / p, what moves its center of pressure and what friction holds, its cost is
 
         weight (|f|^2 + W |u|^2 / F) + task weight (F - F_ref)^2.
 
@@ -38,11 +38,8 @@ class ForceCost:
         """Take W [N] of a robot that stands on its contacts; 0 leaves |f|^2 and force tasks."""
         self._contacts = tuple(contacts)
         self._share = _WEIGHT * weight_force
-        self._axes = [contact.force_axes.shape[0] for contact in self._contacts]
-        self._none = [
-            np.zeros(contact.points.shape[0] * axes)
-            for contact, axes in zip(self._contacts, self._axes, strict=True)
-        ]
+        self._normals = [contact.normal for contact in self._contacts]
+        self._none = [np.zeros(contact.forces) for contact in self._contacts]
         self.reset()
 
     def reset(self) -> None:
@@ -92,7 +89,7 @@ class ForceCost:
                 _LEAST_LOAD,
                 weight,
                 force,
-                self._axes[place],
+                self._normals[place],
                 last,
                 begin,
                 center,

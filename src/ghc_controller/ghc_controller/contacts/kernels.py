@@ -11,48 +11,24 @@ from ghc_controller.types import Array
 
 
 @numba.njit(cache=True)
-def write_contact(
-    rotation: Array,
-    jacobian: Array,
-    velocity: Array,
-    drift: Array,
-    points: Array,
-    axes: Array,
-    rate: float,
-    is_surface: bool,
-    force_jacobian: Array,
-    motion_jacobian: Array,
-    drift_target: Array,
+def write_force_map(
+    rotation: Array, jacobian: Array, points: Array, axes: Array, out: Array
 ) -> None:  # pragma: no cover
-    """Rows of one contact: where its forces act, and which motion it keeps still.
+    """Write J_f (p * a, n), point by point: axis . (J_lin + J_ang x (R point)).
 
-    rotation (3, 3) frame to world; jacobian (6, n), velocity and drift (6,) of its origin, world
-    axes; points (p, 3) in the frame, axes (a, 3) in the world.
-
-    Writes:
-        force_jacobian: (p * a, n), point by point: axis . (J_lin + J_ang x (R point)).
-        motion_jacobian: (6, n) the frame's own for a surface, else the same rows.
-        drift_target: accelerations that keep it still, -dJ/dt v - rate * velocity, of these rows.
+    rotation (3, 3) frame to world; jacobian (6, n) of its origin, world axes; points (p, 3) in the
+    frame, axes (a, 3) in the world.
     """
-    if is_surface:
-        for r in range(6):
-            motion_jacobian[r] = jacobian[r]
-            drift_target[r] = -drift[r] - rate * velocity[r]
-    arm, turn = np.empty(3), np.empty(3)
+    arm = np.empty(3)
     for p in range(points.shape[0]):
-        for i in range(3):
-            arm[i] = 0.0
-            for j in range(3):
-                arm[i] += rotation[i, j] * points[p, j]
-        # A point at arm r has the velocity v + w x r and the drift a + b x r + w x (w x r).
-        _cross(velocity[3:], arm, turn)
+        _turned(rotation, points[p], arm)
         for k in range(axes.shape[0]):
             x, y, z = axes[k, 0], axes[k, 1], axes[k, 2]
             # axis . (w x arm) = w . (arm x axis)
             u, v, w = arm[1] * z - arm[2] * y, arm[2] * x - arm[0] * z, arm[0] * y - arm[1] * x
             place = p * axes.shape[0] + k
             for c in range(jacobian.shape[1]):
-                force_jacobian[place, c] = (
+                out[place, c] = (
                     x * jacobian[0, c]
                     + y * jacobian[1, c]
                     + z * jacobian[2, c]
@@ -60,26 +36,58 @@ def write_contact(
                     + v * jacobian[4, c]
                     + w * jacobian[5, c]
                 )
-            if not is_surface:
-                motion_jacobian[place] = force_jacobian[place]
-                still = _along(x, y, z, u, v, w, drift) + rate * _along(x, y, z, u, v, w, velocity)
-                # axis . (w x turn) = w . (turn x axis)
-                still += velocity[3] * (turn[1] * z - turn[2] * y)
-                still += velocity[4] * (turn[2] * x - turn[0] * z)
-                still += velocity[5] * (turn[0] * y - turn[1] * x)
-                drift_target[place] = -still
+
+
+@numba.njit(cache=True)
+def write_frame_motion(
+    jacobian: Array, velocity: Array, drift: Array, rate: float, out: Array, target: Array
+) -> None:  # pragma: no cover
+    """Write the six rows of a frame and the accelerations that keep it still."""
+    for r in range(6):
+        out[r] = jacobian[r]
+        target[r] = -drift[r] - rate * velocity[r]
+
+
+@numba.njit(cache=True)
+def write_point_motion(
+    rotation: Array,
+    velocity: Array,
+    drift: Array,
+    points: Array,
+    axes: Array,
+    rate: float,
+    target: Array,
+) -> None:  # pragma: no cover
+    """Write the accelerations (p * a,) that keep points still, -dJ/dt v - rate * velocity.
+
+    velocity and drift (6,) of the frame's origin; the others as in `write_force_map`.
+    """
+    arm, turn = np.empty(3), np.empty(3)
+    for p in range(points.shape[0]):
+        _turned(rotation, points[p], arm)
+        # A point at arm r has the velocity v + w x r and the drift a + b x r + w x (w x r).
+        _cross(velocity[3:], arm, turn)
+        for k in range(axes.shape[0]):
+            x, y, z = axes[k, 0], axes[k, 1], axes[k, 2]
+            u, v, w = arm[1] * z - arm[2] * y, arm[2] * x - arm[0] * z, arm[0] * y - arm[1] * x
+            still = _along(x, y, z, u, v, w, drift) + rate * _along(x, y, z, u, v, w, velocity)
+            # axis . (w x turn) = w . (turn x axis)
+            still += velocity[3] * (turn[1] * z - turn[2] * y)
+            still += velocity[4] * (turn[2] * x - turn[0] * z)
+            still += velocity[5] * (turn[0] * y - turn[1] * x)
+            target[p * axes.shape[0] + k] = -still
 
 
 @numba.njit(cache=True)
 def force_limits(
-    lower: Array, upper: Array, places: NDArray[np.intp], rows: int
+    lower: Array, upper: Array, places: NDArray[np.intp]
 ) -> tuple[Array, Array]:  # pragma: no cover
-    """Bounds (r,) of all force rows: normal forces of the contacts at `places`, then cones.
+    """Bounds (k,) [N] on the normal forces of the contacts at `places`.
 
     lower and upper (c,) [N] of all contacts; an upper one below zero means no force, and a lower
     one gives way to it.
     """
-    low, high = np.full(rows, -np.inf), np.zeros(rows)
+    low, high = np.empty(places.shape[0]), np.empty(places.shape[0])
     for k in range(places.shape[0]):
         high[k] = max(upper[places[k]], 0.0)
         low[k] = min(lower[places[k]], high[k])
@@ -93,7 +101,7 @@ def write_force_cost(
     least: float,
     task: float,
     reference: float,
-    axes: int,
+    normal: Array,
     last: Array,
     begin: int,
     center: Array,
@@ -102,22 +110,20 @@ def write_force_cost(
     """Cost on the forces of one contact, with the letters of ForceCost.
 
     base |f|^2 + share (|u - r F|^2 / F_0 + 2 r^T u - |r|^2 F) + task (F - reference)^2, halved;
-    `axes` forces to a point, the normal one last; last (c,) [N] gives r and F_0, which is at
-    least `least`.
+    normal (c,) is e of F = e^T f; last (c,) [N] gives r and F_0, which is at least `least`.
 
     Writes, from entry `begin` on:
         center: [N] forces of the least cost; factor: F with F F^T = H^-1.
     """
     c = last.shape[0]
-    points = c // axes
-    load = 0.0
-    for i in range(axes - 1, c, axes):
-        load += last[i]
+    points, load = 0.0, 0.0
+    for i in range(c):
+        points += normal[i] ** 2
+        load += normal[i] * last[i]
     ratio, square = np.empty(c), 0.0  # r and |r|^2
     held = max(load, least)
     for i in range(c):
-        even = load / points if i % axes == axes - 1 else 0.0
-        ratio[i] = (last[i] - even) / held
+        ratio[i] = (last[i] - normal[i] * load / points) / held
         square += ratio[i] ** 2
     scale = share / held
     hessian, pull = np.zeros((c, c)), np.empty(c)
@@ -125,13 +131,13 @@ def write_force_cost(
         hessian[i, i] = base + scale
         pull[i] = -share * ratio[i]
     for i in range(c):
-        for j in range(axes - 1, c, axes):
-            hessian[i, j] -= scale * ratio[i]
-            hessian[j, i] -= scale * ratio[i]
-    for i in range(axes - 1, c, axes):
-        pull[i] += 0.5 * share * square + task * reference
-        for j in range(axes - 1, c, axes):
-            hessian[i, j] += scale * (square - 1.0 / points) + task
+        for j in range(c):
+            hessian[i, j] -= scale * ratio[i] * normal[j]
+            hessian[j, i] -= scale * ratio[i] * normal[j]
+    for i in range(c):
+        pull[i] += normal[i] * (0.5 * share * square + task * reference)
+        for j in range(c):
+            hessian[i, j] += normal[i] * normal[j] * (scale * (square - 1.0 / points) + task)
     inverse = inverse_factor(hessian)
     for i in range(c):
         center[begin + i] = 0.0
@@ -143,6 +149,14 @@ def write_force_cost(
             along += inverse[i, k] * pull[i]
         for i in range(c):
             center[begin + i] += inverse[i, k] * along
+
+
+@numba.njit(cache=True)
+def _turned(rotation: Array, point: Array, out: Array) -> None:  # pragma: no cover
+    for i in range(3):
+        out[i] = 0.0
+        for j in range(3):
+            out[i] += rotation[i, j] * point[j]
 
 
 @numba.njit(cache=True)

@@ -11,9 +11,10 @@ from ghc_controller.schema.reader import Fields
 DEFAULT_CONTACT = "rigid"
 
 CONTACTS: Registry[type[Contact]] = Registry(
-    "contact kind", "ghc_controller.contacts", base=Contact
+    "contact kind", "ghc_controller.contacts", modules="ghc_controller.contacts", base=Contact
 )
-CONTACTS.register(DEFAULT_CONTACT)(Contact)
+# Class decorator: makes a Contact available as `kind` in robot.yaml.
+register_contact = CONTACTS.register
 
 
 def make_contact(fields: Fields, model: RobotModel) -> Contact:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -96,7 +94,7 @@ class Requests:
         kind = self.schedule_of(task).task(task)
         target = kind.static_target(np.array(position, dtype=np.float64))
         if wrench is not None:
-            target = replace(target, wrench=np.array(wrench, dtype=np.float64))
+            target = target._replace(wrench=np.array(wrench, dtype=np.float64))
         begin = self._time if start is None else start
         self.add_reference(ReferenceTrajectory.static(kind, target, begin))
 

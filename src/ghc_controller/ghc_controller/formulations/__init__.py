@@ -15,6 +15,7 @@ from ghc_controller.formulations.registry import (
     FORMULATIONS,
     blending_formulations,
     make_formulation,
+    own_settings,
     register_formulation,
 )
 from ghc_controller.problem.control_problem import AccelerationRows, ContactRows, ControlProblem
@@ -35,5 +36,6 @@ __all__ = [
     "TorqueRegularization",
     "blending_formulations",
     "make_formulation",
+    "own_settings",
     "register_formulation",
 ]

@@ -123,6 +123,8 @@ class Formulation(ABC):
     layer_damping: float = 0.0  # [-] where the settings leave it open
     takes_second_order: bool = True
     blends: bool = False  # answers each candidate of a mixture: can keep a torque-rate budget
+    # Declared dataclass of the settings that only this formulation has: a third argument of it.
+    own_settings: type | None = None
 
     def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
         """Raises InvalidValue where `second_order` is set and the formulation does not take it."""

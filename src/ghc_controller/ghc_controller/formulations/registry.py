@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from ghc_controller.errors import InvalidValue
+from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.qp import QpSolver, make_solver
 from ghc_controller.registry import Registry
@@ -26,9 +26,15 @@ def register_formulation(kind: _F) -> _F:
 
 
 def make_formulation(
-    name: str, settings: FormulationSettings | None = None, solver: QpSolver | None = None
+    name: str,
+    settings: FormulationSettings | None = None,
+    solver: QpSolver | None = None,
+    own: Any = None,
 ) -> Formulation:
     """Formulation of that name.
+
+    Args:
+        own: settings that only this formulation has; defaults when not given.
 
     Raises:
         UnknownName: no such formulation; the message lists those that exist.
@@ -40,7 +46,28 @@ def make_formulation(
         raise InvalidValue(
             f"formulation '{name}': its class {kind.__name__} must set name = '{name}'"
         )
-    return kind(settings or FormulationSettings(), solver or make_solver("daqp"))
+    given = (settings or FormulationSettings(), solver or make_solver("daqp"))
+    of_its_own = kind.own_settings
+    if of_its_own is None and own is None:
+        return kind(*given)
+    if of_its_own is None or not isinstance(own, of_its_own | None):
+        expected = "none" if of_its_own is None else of_its_own.__name__
+        raise InvalidValue(
+            f"formulation '{name}': own settings {own!r} given, {expected} expected"
+        )
+    return kind(*given, of_its_own() if own is None else own)  # type: ignore[call-arg]
+
+
+def own_settings(name: str) -> type | None:
+    """Dataclass of the settings that only this formulation has.
+
+    None where it has none, and of a name that does not exist: who makes it says so. Raises
+    PluginError.
+    """
+    try:
+        return FORMULATIONS[name].own_settings
+    except UnknownName:
+        return None
 
 
 def blending_formulations() -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,7 +26,7 @@ def parse_levels(hierarchy: str) -> list[list[str]]:
     for name in names:
         if not _NAME.match(name):
             raise InvalidValue(f"malformed hierarchy '{hierarchy}': found '{name}', {_FORM}")
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise InvalidValue(f"hierarchy '{hierarchy}' names {', '.join(twice)} more than once")
     return levels

@@ -11,7 +11,7 @@ from ghc_controller.kinematics.level_rows import LevelRows
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.follower import ReferenceSpace
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState, TaskTarget
+from ghc_controller.types import Array, TaskTarget
 
 Target = Array | tuple[Array, Array]  # reference, or lower and upper bound of the task variable
 
@@ -33,10 +33,8 @@ class Level:
                 raise InvalidValue(f"task '{task.name}': an orientation cannot be bounded")
         self.tasks, self.bounded = tasks, bounded
 
-    def rows(
-        self, model: RobotModel, state: RobotState, targets: Mapping[str, Target]
-    ) -> LevelRows:
-        """Linearize at the last `model.update`, made with `state` (v = 0).
+    def rows(self, model: RobotModel, targets: Mapping[str, Target]) -> LevelRows:
+        """Errors and Jacobians of the tasks at the last `model.update`, made with v = 0.
 
         Raises:
             UnknownName: the target of a task is missing.
@@ -50,9 +48,9 @@ class Level:
             if isinstance(target, tuple) != self.bounded:
                 expected = "(lower, upper)" if self.bounded else "a reference"
                 raise InvalidValue(f"task '{task.name}': {expected} expected")
-            zero = np.zeros(task.size)
+            still = np.zeros(task.reference_size)
             reference = task.current(model) if isinstance(target, tuple) else target
-            rows = task.rows(model, state, TaskTarget(reference, zero, zero))
+            rows = task.measured(model, TaskTarget(reference, still, still))
             jacobians.append(rows.jacobian)
             if isinstance(target, tuple):
                 lower.append(target[0] - reference)

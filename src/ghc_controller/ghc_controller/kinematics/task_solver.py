@@ -10,7 +10,7 @@ from ghc_controller.kinematics.hierarchy_solver import HierarchySolver
 from ghc_controller.kinematics.level import Level, Target
 from ghc_controller.kinematics.settings import KinematicSettings
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.types import Array, RobotState
+from ghc_controller.types import Array
 
 
 class TaskSolver:
@@ -49,8 +49,7 @@ class TaskSolver:
         """
         model = self.model
         model.update(q, self._still)
-        state = RobotState(0.0, q, self._still)
-        rows = [level.rows(model, state, targets) for level in self.levels]
+        rows = [level.rows(model, targets) for level in self.levels]
         lower = upper = None
         if self._joint_limits:
             lower, upper = self._lower, self._upper

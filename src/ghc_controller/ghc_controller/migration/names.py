@@ -14,7 +14,9 @@ class Kind(Enum):
     """What a name is of."""
 
     NAME = "public name"  # of ghc_controller
+    METHOD = "method"  # of a class that other packages derive from or call
     FIELD = "field or parameter"  # of a file, a node, Settings
+    SCENE = "field of a scene"
     EXECUTABLE = "executable"  # package and executable
 
 
@@ -35,7 +37,14 @@ class Renamed:
 RENAMED: tuple[Renamed, ...] = (
     Renamed(Kind.NAME, "ControllerSettings", "Settings"),
     Renamed(Kind.NAME, "RobotConfig", "Robot"),
+    Renamed(Kind.METHOD, "Task.write_rows", "Task.measure"),
+    Renamed(Kind.METHOD, "Task.fill", "Task.measure"),
+    Renamed(Kind.METHOD, "Task.rows", "Task.measured"),
+    Renamed(Kind.METHOD, "Task.empty_rows", "TaskRows.zeros"),
+    Renamed(Kind.METHOD, "Task.reset", "TaskStack.reset"),
     Renamed(Kind.FIELD, "solver", "qp_solver"),
+    Renamed(Kind.SCENE, "contacts.frame", "contacts.frame of robot.yaml"),
+    Renamed(Kind.SCENE, "contacts.points", "contacts.points of robot.yaml"),
     Renamed(Kind.EXECUTABLE, "ghc_mpc_constraints studies", "ghc_sim_bridge studies"),
 )
 _BY_OLD_NAME = {(row.kind, row.old): row for row in RENAMED}

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.priorities import Priorities
@@ -31,6 +33,7 @@ class ContactRows(NamedTuple):
     force_factor: Array  # (c, c) F with F F^T = H_f^-1
     names: tuple[str, ...]  # (r,)
     bounds: int = 0
+    forces: tuple[tuple[str, slice], ...] = ()  # names of the contacts, and their entries of f
 
 
 class AccelerationRows(NamedTuple):
@@ -97,6 +100,10 @@ class ControlProblem:
                 "contact force_center": self.contacts.force_center,
                 "contact force_factor": self.contacts.force_factor,
             }
+        if self.rows is not None:
+            parts |= {"matrix of rows": self.rows.matrix}
+            if np.isnan(self.rows.lower).any() or np.isnan(self.rows.upper).any():
+                return "bound of a row"
         for name, values in parts.items():
             if not math.isfinite(values.sum()):
                 return name

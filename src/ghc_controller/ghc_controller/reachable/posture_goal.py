@@ -9,7 +9,7 @@ import numpy as np
 from ghc_controller.kinematics import HierarchySolver, KinematicSettings, Level
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.reachable.settings import ReachableSettings
-from ghc_controller.types import Array, RobotState
+from ghc_controller.types import Array
 
 _MET = 3e-4  # [m], [rad] a level that is nearer needs no search
 _BETTER = 5e-4  # [m], [rad] by which another posture has to be nearer
@@ -123,8 +123,7 @@ class PostureGoal:
     ) -> tuple[Array, tuple[float, ...]]:
         """q (n,) after an iteration, and the norms of the errors before it, by level."""
         self._model.update(q, self._still)
-        state = RobotState(0.0, q, self._still)
-        rows = [level.rows(self._model, state, targets) for level in self._levels]
+        rows = [level.rows(self._model, targets) for level in self._levels]
         step = solver.solve(rows, self._lower - q, self._upper - q)
         errors = tuple(float(np.linalg.norm(level.lower)) for level in rows)
         return np.clip(q + step, self._lower, self._upper), errors

@@ -191,8 +191,7 @@ class ReachableReference:
     def _distance(self, task: Task, q: Array, other: Array) -> float:
         target = TaskTarget(self.position_of(task.name, other), *np.zeros((2, task.size)))
         self._model.update(q, np.zeros(self._model.nv))
-        rows = task.rows(self._model, RobotState(0.0, q, np.zeros(self._model.nv)), target)
-        return float(np.linalg.norm(rows.error))
+        return float(np.linalg.norm(task.measured(self._model, target).error))
 
     def _advance(self) -> Array:
         """(steps, 3, n) of the next period."""

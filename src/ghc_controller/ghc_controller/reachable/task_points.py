@@ -9,7 +9,7 @@ import numpy as np
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState, TaskTarget
+from ghc_controller.types import Array
 
 
 def task_references(
@@ -24,15 +24,10 @@ def task_references(
     points: list[list[tuple[Array, Array, Array]]] = [[] for _ in tasks]
     for q, v, a in motion:
         model.update(q, v)
-        state = RobotState(0.0, q, v)
         for task, found in zip(tasks, points, strict=True):
             position = task.current(model)
-            zero = np.zeros(task.size)
-            rows = task.rows(model, state, TaskTarget(position, zero, zero))
-            velocity = rows.jacobian @ v
-            # rows ask for J x -> -damping J v - drift where the target is the position at rest
-            drift = -rows.target - task.damping * velocity
-            found.append((position, velocity, rows.jacobian @ a + drift))
+            rows = task.measured(model, task.static_target(position))
+            found.append((position, rows.jacobian @ v, rows.jacobian @ a + rows.drift))
     references = []
     for task, found in zip(tasks, points, strict=True):
         position, velocity, acceleration = (np.array(c) for c in zip(*found, strict=True))

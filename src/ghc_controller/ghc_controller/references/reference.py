@@ -43,9 +43,10 @@ class ReferenceTrajectory:
     acceleration: Array | None = None  # (p, m) [m/s^2], [rad/s^2]
     wrench: Array | None = None  # (p, m) [N], [Nm] to be exerted on the surroundings
     start_time: float = 0.0  # [s] of the simulation, where times are zero
+    _is_vector: bool = field(init=False, repr=False)
     _times: list[float] = field(init=False, repr=False)
-    _linear: Array = field(init=False, repr=False)  # (p - 1, 6, vector rows)
-    _angular: Array = field(init=False, repr=False)  # (p - 1, 6, 3 or 0), rotation vectors
+    _linear: list[Array] = field(init=False, repr=False)  # p - 1 of (6, vector rows)
+    _angular: list[Array] = field(init=False, repr=False)  # p - 1 of (6, 3 or 0), rotation vectors
     _first: TaskTarget = field(init=False, repr=False)
     _last: TaskTarget = field(init=False, repr=False)
 
@@ -65,11 +66,12 @@ class ReferenceTrajectory:
                 f"task '{self.task}', acceleration: given without velocity; both or velocity alone"
                 " expected"
             )
-        if self.space is not ReferenceSpace.VECTOR:
+        self._set("_is_vector", self.space is ReferenceSpace.VECTOR)
+        if not self._is_vector:
             self._normalise_quaternions()
         self._set("_times", self.times.tolist())
-        self._set("_linear", self._linear_segments())
-        self._set("_angular", self._angular_segments())
+        self._set("_linear", list(self._linear_segments()))
+        self._set("_angular", list(self._angular_segments()))
         self._set("_first", self._held(0))
         self._set("_last", self._held(-1))
 
@@ -122,7 +124,7 @@ class ReferenceTrajectory:
         segment = min(bisect_right(self._times, s), len(self._times) - 1) - 1
         s -= self._times[segment]
         linear = evaluate(self._linear[segment], s)
-        if self.space is ReferenceSpace.VECTOR:
+        if self._is_vector:
             position, velocity, acceleration = linear
         else:
             vector, rate, change = evaluate(self._angular[segment], s)
@@ -131,13 +133,12 @@ class ReferenceTrajectory:
             position = np.concatenate([linear[0], quaternion])
             velocity = np.concatenate([linear[1], omega])
             acceleration = np.concatenate([linear[2], alpha])
-        return TaskTarget(position, velocity, acceleration, self._wrench(segment, s))
+        wrench = None if self.wrench is None else self._wrench(self.wrench, segment, s)
+        return TaskTarget(position, velocity, acceleration, wrench)
 
-    def _wrench(self, segment: int, s: float) -> Array | None:
-        if self.wrench is None:
-            return None
+    def _wrench(self, points: Array, segment: int, s: float) -> Array:
         share = s / (self._times[segment + 1] - self._times[segment])
-        return (1.0 - share) * self.wrench[segment] + share * self.wrench[segment + 1]
+        return np.asarray((1.0 - share) * points[segment] + share * points[segment + 1])
 
     def _linear_segments(self) -> Array:
         rows = {ReferenceSpace.ORIENTATION: 0, ReferenceSpace.POSE: 3}.get(self.space, self.size)

@@ -82,6 +82,10 @@ class ReferenceSchedule:
         begun = [entry for entry in tuple(self._queues[index]) if entry.start_time <= time]
         return begun[-1].target(time) if begun else self._defaults[index]
 
+    def targets(self, time: float) -> list[TaskTarget]:
+        """Targets of all tasks at `time` [s], in their order."""
+        return [self.target(index, time) for index in range(len(self._tasks))]
+
     def target(self, index: int, time: float) -> TaskTarget:
         """Target of task number `index` at `time` [s]."""
         queue = self._queues[index]

@@ -1,4 +1,4 @@
-"""What a control step did, as values: the answer, and the account of it for people."""
+"""What a control step did, as values: the answer, and a report of it."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class LimitReport:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Account of the last step, made on demand: names and copies that outlive the tick."""
+    """Report of the last step, made on demand: names and copies that outlive the tick."""
 
     result: StepResult
     tasks: tuple[TaskReport, ...]

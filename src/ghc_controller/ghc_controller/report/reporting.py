@@ -1,4 +1,4 @@
-"""The account of a control step: names and copies, made on demand from what the step left."""
+"""Report of a control step: names and copies, made on demand from what the step left."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Limits:
     boxes: Boxes
     contact_rows: ContactRows | None
     normal_bounds: NormalBounds
-    obstacle_rows: AccelerationRows | None
+    rows: AccelerationRows | None
 
 
 def make_report(
@@ -134,7 +134,7 @@ def _length(vector: Array) -> float:
 
 
 def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
-    rows, contacts = limits.obstacle_rows, limits.contact_rows
+    rows, contacts = limits.rows, limits.contact_rows
     names: list[str] = []
     if contacts is not None:
         push = contacts.force_matrix @ solution.force
@@ -151,7 +151,8 @@ def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
                 names.append(f"{name}.upper" if k < contacts.bounds else name)
     if rows is not None:
         value = rows.matrix @ solution.acceleration
-        near = value <= rows.lower + _ACTIVE * np.maximum(np.abs(value), 1.0)
+        size = _ACTIVE * np.maximum(np.abs(value), 1.0)
+        near = (value <= rows.lower + size) | (value >= rows.upper - size)
         names += [rows.names[k] for k in np.flatnonzero(near)]
     return tuple(_distinct(names))
 
@@ -173,7 +174,7 @@ def _box_slack(solution: Solution, box: Box) -> tuple[Slack, ...]:
 def _rows_slack(limits: Limits, solution: Solution) -> tuple[Slack, ...]:
     slack: list[Slack] = []
     for rows, amounts in (
-        (limits.obstacle_rows, solution.rows_slack),
+        (limits.rows, solution.rows_slack),
         (limits.contact_rows, solution.force_slack),
     ):
         if rows is not None and amounts is not None:

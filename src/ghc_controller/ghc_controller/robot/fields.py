@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ghc_controller.constraints.registry import ConstraintFields, constraint_entries
 from ghc_controller.contacts.contact import ContactFields
+from ghc_controller.contacts.registry import CONTACTS, DEFAULT_CONTACT
 from ghc_controller.model.limits import Limit
 from ghc_controller.robot.urdf import UrdfFields
 from ghc_controller.schema.declared import declared
@@ -31,6 +33,24 @@ def _tasks_schema(schema: Any) -> dict[str, Any]:
     """A list whose entries have the fields of their kind."""
     entry = schema.one_of_kinds("kind", task_entries(), TaskFields)
     return {"type": "array", "items": entry, "minItems": 1}
+
+
+def _contacts_schema(schema: Any) -> dict[str, Any]:
+    """A list whose entries may name their kind."""
+    entry = schema.fields(ContactFields)
+    kind = {
+        "description": "what is kept still, and which forces it carries",
+        "enum": sorted(CONTACTS.built_in),
+        "default": DEFAULT_CONTACT,
+    }
+    entry["properties"] = {"kind": kind} | entry["properties"]
+    return {"type": "array", "items": entry}
+
+
+def _constraints_schema(schema: Any) -> dict[str, Any]:
+    """A list whose entries have the fields of their kind."""
+    entry = schema.one_of_kinds("kind", constraint_entries(), ConstraintFields)
+    return {"type": "array", "items": entry}
 
 
 def _settings_schema(schema: Any) -> dict[str, Any]:
@@ -87,7 +107,15 @@ class RobotFields:
         schema=_tasks_schema,
     )
     hierarchy: str = declared("priorities at the start, such as 'hand > posture'")
-    contacts: tuple[Fields, ...] = declared("with a rigid environment", (), later=ContactFields)
+    contacts: tuple[Fields, ...] = declared(
+        "with a rigid environment", (), later=ContactFields, schema=_contacts_schema
+    )
+    constraints: tuple[Fields, ...] = declared(
+        "beside the limits of joints and torques",
+        (),
+        later=ConstraintFields,
+        schema=_constraints_schema,
+    )
     settings: Fields | None = declared(
         "of the controller on this robot, by the names of its parameters",
         None,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.resources import files
 from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, PluginError
@@ -12,14 +11,12 @@ from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.schema.plugged_files import Files, made, plugged_file
 
 ROBOT_FILE = "robot.yaml"
-_DATA = Path(str(files("ghc_controller"))) / "robot" / "data"
 
 # A robot.yaml as `plugged_file` finds it, or a function that returns a Robot.
 RobotSource = Files | Callable[[], Robot]
 
 ROBOTS: Registry[RobotSource] = Registry("robot", "ghc_controller.robots")
-for _file in sorted(_DATA.glob(f"*/{ROBOT_FILE}")):
-    ROBOTS.register(_file.parent.name)(_file)
+ROBOTS.register_files("ghc_controller", f"robot/data/*/{ROBOT_FILE}")
 
 
 def list_robots() -> tuple[str, ...]:

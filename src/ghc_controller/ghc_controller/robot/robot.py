@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ghc_controller.constraints import Constraint
+from ghc_controller.constraints.registry import make_constraint
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.contacts.registry import make_contact
 from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
 from ghc_controller.model.limits import JointLimits, Limit, overridden
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.robot.contact_places import ContactPlace, contact_places
 from ghc_controller.robot.fields import RobotFields
 from ghc_controller.robot.task_entries import TaskEntry
 from ghc_controller.robot.urdf import find_urdf
@@ -43,7 +46,7 @@ class Robot:
     hierarchy: "hand"            # in force at the start
     contacts:                    # optional
       - name: palm               # as in contacts/<name> and in schedules
-        kind: rigid              # default rigid; further kinds come from plug-ins
+        kind: rigid              # default; or point, surface, sliding, or of a plug-in
         frame: tool
         points: [[0, 0, 0.1]]    # [m] in the frame; three or more hold the frame as a whole
         normal: [0, 0, 1]        # world axes, as the surroundings push
@@ -54,6 +57,8 @@ class Robot:
         on_stale: hold           # default hold; release: once a generator is silent, as above
         force_task: {weight: 1}  # optional: the normal force follows a TaskReference
         sensing: {threshold: 5}  # optional: the measured wrench confirms touch and break
+    constraints:                 # optional; fields by kind: see the files of constraints/
+      - {name: wall, kind: cartesian_wall, frame: tool, point: [0.5, 0, 0], normal: [-1, 0, 0]}
     settings:                    # optional: of the controller, see ghc.Settings
       velocity_damping: 10.0     # [1/s]
     ```
@@ -69,7 +74,9 @@ class Robot:
     tasks: tuple[Task, ...]  # k tasks, in the order of the file
     hierarchy: str
     contacts: tuple[Contact, ...] = ()
+    constraints: tuple[Constraint, ...] = ()  # beside those of every robot
     settings: Fields | None = None  # of the controller on this robot: see Settings.for_robot
+    contact_places: Mapping[str, ContactPlace] = field(default_factory=dict)  # by contact
 
     @classmethod
     def from_urdf(
@@ -82,13 +89,14 @@ class Robot:
         floating_base: bool = False,
         limits: Mapping[str, Any] | None = None,
         contacts: Sequence[Mapping[str, Any]] = (),
+        constraints: Sequence[Mapping[str, Any]] = (),
         settings: Mapping[str, Any] | None = None,
     ) -> Robot:
         """A robot written in Python: the fields of robot.yaml, read by the same reader.
 
         Args:
             urdf: path of the URDF. name: that of the file without.
-            limits, contacts, settings: as in robot.yaml.
+            limits, contacts, constraints, settings: as in robot.yaml.
 
         Raises:
             ConfigurationError: one line with the field, what was given and expected.
@@ -105,6 +113,8 @@ class Robot:
             values["limits"] = dict(limits)
         if contacts:
             values["contacts"] = [dict(contact) for contact in contacts]
+        if constraints:
+            values["constraints"] = [dict(constraint) for constraint in constraints]
         if settings:
             values["settings"] = dict(settings)
         return _from_fields(Fields(values, "Robot.from_urdf"), path)
@@ -151,7 +161,9 @@ def _from_fields(fields: Fields, path: Path) -> Robot:
         tasks,
         given.hierarchy,
         _build_contacts(given.contacts, model, tasks),
+        _build_constraints(given.constraints, model),
         given.settings,
+        contact_places(given.contacts),
     )
 
 
@@ -232,3 +244,15 @@ def _build_contacts(
             raise entry.error("name", f"'{contact.name}' is already taken by a task")
         contacts[contact.name] = contact
     return tuple(contacts.values())
+
+
+def _build_constraints(entries: tuple[Fields, ...], model: RobotModel) -> tuple[Constraint, ...]:
+    constraints: dict[str, Constraint] = {}
+    for entry in entries:
+        constraint = make_constraint(entry, model)
+        if constraint.name in constraints:
+            raise entry.error(
+                "name", f"'{constraint.name}' is already taken by another constraint"
+            )
+        constraints[constraint.name] = constraint
+    return tuple(constraints.values())

@@ -3,6 +3,8 @@
 ```yaml
 urdf: my_arm.urdf                                   # relative to robot.yaml
 urdf: {package: my-models, file: share/my/arm.urdf} # in the files of a Python package
+urdf: package://my_description/urdf/my_arm.urdf     # in a ROS package that is sourced
+urdf: {description: panda_mj_description}           # of robot_descriptions, if in its cache
 urdf:                                               # changed on the way, see urdf_changes.py
   package: my-models                                # without it the file is relative to robot.yaml
   file: share/my/walker.urdf
@@ -21,13 +23,13 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 
-from ghc_controller.errors import ConfigurationError
+from ghc_controller.errors import ConfigurationError, InvalidField
+from ghc_controller.robot.descriptions import described_model
 from ghc_controller.robot.urdf_changes import UrdfChanges
+from ghc_controller.robot.urdf_text import resource_path
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
-
-PACKAGE_SCHEME = "package://"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +44,21 @@ class FramePlace:
 class UrdfFields:
     """The section `urdf` of robot.yaml, where it is no path alone."""
 
-    file: str = declared("path, relative to robot.yaml or in the files of the package")
+    file: str = declared(
+        "path, relative to robot.yaml or in the files of the package, or package://name/path", ""
+    )
     package: str = declared("installed Python package; left out = none", "")
+    description: str = declared(
+        "instead of a file: a name of robot_descriptions whose data are in the user's cache", ""
+    )
     root: str = declared("link that becomes the base", "")
     locked: tuple[str, ...] = declared("joints that stay at zero", ())
     frames: Mapping[str, FramePlace] = declared("name: place of a further frame", dict)
+
+    def __post_init__(self) -> None:
+        """Raise InvalidField unless one of file and description is given."""
+        if bool(self.file) == bool(self.description):
+            raise InvalidField("file", "a file or a description expected, one of both")
 
 
 def find_urdf(entry: object, robot_file: Path) -> Path:
@@ -58,11 +70,20 @@ def find_urdf(entry: object, robot_file: Path) -> Path:
         UnknownName: a link or joint to be changed that the URDF has not.
     """
     given = _read(entry, robot_file)
-    urdf = robot_file.parent / given.file
-    if given.package:
-        urdf = _in_package(given.package, given.file, robot_file)
+    urdf = _model_file(given, robot_file)
     frames = {name: (at.link, np.array(at.position)) for name, at in given.frames.items()}
-    return UrdfChanges(given.root, given.locked, frames).write(urdf, resource_path)
+    return UrdfChanges(given.root, given.locked, frames).write(urdf)
+
+
+def _model_file(given: UrdfFields, robot_file: Path) -> Path:
+    if given.description:
+        try:
+            return described_model(given.description)
+        except ConfigurationError as error:
+            raise ConfigurationError(f"{robot_file}: urdf: {error}") from error
+    if given.package:
+        return _in_package(given.package, given.file, robot_file)
+    return resource_path(given.file, robot_file)
 
 
 def package_of(entry: object, robot_file: Path) -> str:
@@ -84,21 +105,6 @@ def _read(entry: object, robot_file: Path) -> UrdfFields:
         f"{robot_file}: urdf: the path of a file, or {{package: name, file: path}} expected,"
         f" {entry!r} given"
     )
-
-
-def resource_path(uri: str, urdf: Path) -> Path:
-    """File that a URDF means by `package://name/path`, or by a path relative to itself.
-
-    The folder `name` is looked for in the folders above the URDF, as a package of robot models
-    lays it out; a URI that leads nowhere is taken as relative, to be missed by whoever opens it.
-    """
-    if not uri.startswith(PACKAGE_SCHEME):
-        return urdf.parent / uri
-    name = uri.removeprefix(PACKAGE_SCHEME)
-    for folder in urdf.resolve().parents:
-        if (folder / name).is_file():
-            return folder / name
-    return urdf.parent / name
 
 
 def _in_package(package: str, file: str, robot_file: Path) -> Path:

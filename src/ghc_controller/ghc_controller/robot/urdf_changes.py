@@ -12,7 +12,6 @@ from __future__ import annotations
 import hashlib
 import logging
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
@@ -23,7 +22,13 @@ import numpy as np
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robot.urdf_frames import inverse, numbers, origin_of, set_origin, vector
 from ghc_controller.robot.urdf_joints import lock, simplify_joints
-from ghc_controller.robot.urdf_text import is_xacro, urdf_text
+from ghc_controller.robot.urdf_text import (
+    cache,
+    is_translated,
+    parse_urdf,
+    place_meshes,
+    urdf_text,
+)
 from ghc_controller.types import Array
 
 _LOG = logging.getLogger(__name__)
@@ -39,11 +44,8 @@ class UrdfChanges:
     frames: dict[str, tuple[str, Array]] = field(default_factory=dict)
     # name -> link, and position (3,) [m] of a frame in it, with its axes
 
-    def write(self, urdf: Path, resource: Callable[[str, Path], Path]) -> Path:
+    def write(self, urdf: Path) -> Path:
         """Path of the changed URDF; that of `urdf` itself where nothing changes.
-
-        Args:
-            resource: file that a URI in a URDF means.
 
         Raises:
             UnknownName: a link or joint that the URDF has not.
@@ -54,30 +56,19 @@ class UrdfChanges:
         if not urdf.is_file() and not own:
             return urdf  # to be missed by whoever opens it
         text = urdf_text(urdf)
-        try:
-            robot = ElementTree.fromstring(text)
-        except ElementTree.ParseError as error:
-            if not own:
-                return urdf  # whoever reads it says so
-            raise ConfigurationError(f"{urdf}: cannot be read as XML: {error}") from error
-        if robot.tag == "mujoco":
-            raise ConfigurationError(
-                f"{urdf}: an MJCF of MuJoCo given, a URDF expected: both engines read one file, "
-                "and Pinocchio's dynamics come from URDF"
-            )
+        robot = parse_urdf(urdf, text)
         if own:
             self._change(robot, urdf)
         simpler = simplify_joints(robot)
         if str(simpler):
             _LOG.warning("%s: %s", urdf.name, simpler)
-        elif not (own or is_xacro(urdf)):
+        elif not (own or is_translated(urdf)):
             return urdf
         frames = {name: (link, at.tolist()) for name, (link, at) in self.frames.items()}
         key = repr((_FORMAT, str(urdf), self.root, self.locked, frames)).encode()
-        target = _cache() / f"{urdf.stem}_{hashlib.sha256(key + text).hexdigest()[:16]}.urdf"
+        target = cache() / f"{urdf.stem}_{hashlib.sha256(key + text).hexdigest()[:16]}.urdf"
         if not target.is_file():
-            for mesh in robot.iter("mesh"):
-                mesh.set("filename", str(resource(mesh.get("filename", ""), urdf)))
+            place_meshes(robot, urdf)
             _write(target, ElementTree.tostring(robot, encoding="unicode"))
         return target
 
@@ -96,11 +87,6 @@ class UrdfChanges:
             if self.root not in links:
                 raise UnknownName(f"link of {urdf}", self.root, links)
             _reroot(robot, self.root)
-
-
-def _cache() -> Path:
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "ghc_controller" / "urdf"
 
 
 def _write(target: Path, text: str) -> None:

@@ -55,6 +55,22 @@ def turn_about(axis: Array, angle: float) -> Array:
     return turn
 
 
+def turn_of(quaternion: Array) -> Array:
+    """(3, 3) rotation of a unit quaternion w, x, y, z, the order of MuJoCo."""
+    w, x, y, z = quaternion
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn: Array = np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
+    return turn
+
+
+def placed(position: Array, quaternion: Array) -> Array:
+    """(4, 4) of a position [m] and a unit quaternion w, x, y, z."""
+    place = np.eye(4)
+    place[:3, :3] = turn_of(quaternion)
+    place[:3, 3] = position
+    return place
+
+
 def _roll_pitch_yaw(turn: Array) -> Array:
     level = float(np.hypot(turn[0, 0], turn[1, 0]))
     pitch = np.arctan2(-turn[2, 0], level)

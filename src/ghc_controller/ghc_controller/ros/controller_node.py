@@ -4,7 +4,7 @@ Publishes  joint_commands (stamp = the state answered, effort [Nm] by joint name
            ghc/transition_status, ghc/priority_matrix (latched), ghc/controller_state,
            ghc/tick (start and epoch of the generators' next tick), /diagnostics, and with
            mirror_commands /effort_controller/commands (ros2_control).
-Subscribes joint_states (frame_id = epoch, effort = torque applied over the last period),
+Subscribes joint_states (effort = torque applied over the last period), sim_bridge/epoch (latched),
            ghc/priority_transition, ghc/task_reference, constraints/preview, contacts/<name>
            where it has to wait for them, odom for a floating base.
 Parameters see ControllerParameters.
@@ -29,21 +29,22 @@ from std_msgs.msg import Float64MultiArray
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot.library import load_robot
-from ghc_controller.ros.mode_desk import ModeDesk
+from ghc_controller.ros.modes import ModeServer
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.previews import PREVIEW_TOPIC, PreviewInbox
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PREVIEW_SUBSCRIBER_QOS
 from ghc_controller.ros.rejections import Rejections
-from ghc_controller.ros.requests import RequestDesk
+from ghc_controller.ros.requests import RequestSubscriber
 from ghc_controller.ros.run import run_node, tolerant
-from ghc_controller.ros.state_desk import StateDesk
-from ghc_controller.ros.status import Accounts
+from ghc_controller.ros.states import StateSubscriber
+from ghc_controller.ros.status import StatusPublisher
 from ghc_controller.ros.wire.joint_state import (
     JointStateEncoder,
     JointStateValues,
 )
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.ros.wire.old_clients import OldClients
 from ghc_controller.safety.modes import Mode
 from ghc_controller.safety.plausibility import ImplausibleStart, StatePlausibility
 from ghc_controller.schema.reader import Fields
@@ -82,31 +83,31 @@ class ControllerNode:
         self._controller.warm_up()
         self._reader = JointStateReader(self._controller.model.joint_names)
         self._rejections = Rejections()
-        self._states = StateDesk(
+        self._states = StateSubscriber(
             self.node, p, self._controller.model.floating_base, self, self._reject
         )
         self._previews = PreviewInbox(self._controller, self._states.plan, self._reject)
-        self._modes = ModeDesk(self.node, self._controller, p.armed_by, self._states.forget)
+        self._modes = ModeServer(self.node, self._controller, p.armed_by, self._states.forget)
         self._plausibility = StatePlausibility(
             self._controller.model.joint_names, self._controller.model.limits
         )
         self._doubted_since: float | None = None  # [s] wall, since when no state was plausible
-        self._requests = RequestDesk(
+        self._requests = RequestSubscriber(
             self.node,
             self._controller,
             self._modes.logic,
             p.lockstep,
-            self._states.forget,
+            self._states,
             self._reject,
         )
-        self._accounts = Accounts(self.node, self._controller, self._rejections, p.state_rate)
+        self._status = StatusPublisher(self.node, self._controller, self._rejections, p.state_rate)
         self._now: float | None = None  # [s] of the last state
         self._answered_at = 0.0  # [s] wall
-        self._sender = f"{self.node.get_name()}.{uuid4().hex[:8]}"  # tells commanders apart
-        self._epoch = ""  # as the states have it
-        self._encoder = self._make_encoder("")
+        sender = f"{self.node.get_name()}_{uuid4().hex[:8]}"  # tells commanders apart
+        self._encoder = JointStateEncoder(self._controller.model.joint_names, sender, motion=False)
         self._command = b""  # serialized, of the last answered state
         self._publish_and_listen()
+        self._old_clients = OldClients(self.node)
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
             f"{self._controller.formulation.name}, solver {p.settings.qp_solver}: ready"
@@ -135,10 +136,6 @@ class ControllerNode:
             # The thread of the requests gives way to a state within this time.
             sys.setswitchinterval(SWITCH_INTERVAL)
 
-    def _make_encoder(self, epoch: str) -> JointStateEncoder:
-        names = self._controller.model.joint_names
-        return JointStateEncoder(names, f"{epoch}@{self._sender}", motion=False)
-
     def repeat(self) -> None:
         """Send the command again: its state came again."""
         self._commands.publish(self._command)
@@ -164,7 +161,7 @@ class ControllerNode:
         if new_epoch:
             controller.reset()
             self._previews.forget()
-            self._accounts.reset()
+            self._status.reset()
         if begins:
             self._modes.begin(state.time)
         self._previews.hand_over(self._states.epoch, stamp_ns)
@@ -173,6 +170,8 @@ class ControllerNode:
         self._now = state.time
         self._answered_at = time.monotonic()
         self._requests.at(state.time)
+        if new_epoch:
+            self._requests.begin_run()
         if self._modes.mode is Mode.LATCHED:
             self._send(values, controller.brake(state))
             self._requests.tell(controller.take_events())  # what the fault has ended
@@ -186,15 +185,12 @@ class ControllerNode:
             return
         self._send(values, result.torque)
         self._requests.tell(result.events)
-        self._accounts.publish(stamp_ns, self._states.epoch, result.status)
+        self._status.publish(stamp_ns, self._states.epoch, result.status)
         self._modes.stepped(state.time, result.status)
 
     def _send(self, values: JointStateValues, torque: Array) -> None:
         """Answer a state with a torque (a,) [Nm]."""
         stamp_ns = values.stamp_ns
-        if values.frame_id != self._epoch:
-            self._epoch = values.frame_id
-            self._encoder = self._make_encoder(self._epoch)
         self._command = self._encoder.encode(stamp_ns, torque)
         self._commands.publish(self._command)
         self._states.answered(stamp_ns)
@@ -240,8 +236,11 @@ class ControllerNode:
             self._requests.between_states()
 
     def _publish_diagnostics(self) -> None:
+        mismatch = self._old_clients.look()
+        if mismatch:
+            self.node.get_logger().warning(mismatch)
         silence = self._previews.silent(self._now or 0.0)
-        self._accounts.publish_diagnostics(self._now, silence, self._modes.text)
+        self._status.publish_diagnostics(self._now, silence, self._modes.text)
 
     def close(self) -> None:
         """No resources to release."""

@@ -11,10 +11,10 @@ from rclpy.node import Node
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.migration.names import Kind, hint
-from ghc_controller.schema.declared import flat, flat_values
+from ghc_controller.schema.declared import flat_values
 from ghc_controller.schema.domains import NotEmpty
 from ghc_controller.schema.reader import Fields
-from ghc_controller.schema.record import read
+from ghc_controller.schema.record import known_names, read
 
 P = TypeVar("P")
 
@@ -53,20 +53,21 @@ def read_parameters(
         ConfigurationError: a value has another type or is outside its domain.
         UnknownName: a parameter was given that the node does not have.
     """
-    known = [entry.name for entry in flat(kind)]
     ours = {
         name: value
         for name, value in node.get_parameters_by_prefix("").items()
         if name not in _OF_RCLPY and not name.startswith("qos_overrides")
     }
+    given_values = ParameterFields({name: item.value for name, item in ours.items()})
+    below = base(given_values)
+    known = list(known_names(kind, given_values.values, below))
     for name in ours:
         if name not in known:
             words = hint(Kind.FIELD, name)
             if words:
                 raise ConfigurationError(f"parameter '{name}': {words}")
             raise UnknownName("parameter", name, known)
-    given_values = ParameterFields({name: item.value for name, item in ours.items()})
-    record = read(given_values, kind, base=base(given_values))
+    record = read(given_values, kind, base=below)
     for entry, value in flat_values(record):
         domain = entry.declaration.domain
         if isinstance(domain, NotEmpty) and domain.problem(value):  # a default that is no answer

@@ -16,8 +16,9 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from ghc_controller.errors import GhcError
+from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.ros.stop_signals import STOP_SIGNALS
+from ghc_controller.ros.this_host import stay_on_this_host
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -100,11 +101,12 @@ def run_node(
     for number in STOP_SIGNALS:
         signal.signal(number, lambda _signal, _frame: stop.done() or stop.set_result(None))
     try:
+        stay_on_this_host()
         rclpy.init(
             args=list(sys.argv if args is None else args),
             signal_handler_options=SignalHandlerOptions.NO,
         )
-    except RuntimeError as error:  # root of rclpy's errors for malformed --ros-args
+    except (InvalidValue, RuntimeError) as error:  # rclpy's root for malformed --ros-args
         return _complain(name, error, EXIT_REFUSED)
     try:
         return _run(name, create, stop)

@@ -19,7 +19,7 @@ from ghc_controller.ros.rejections import Rejections
 from ghc_controller.types import NANOSECONDS
 
 
-class Accounts:
+class StatusPublisher:
     """Says at `state_rate`, and at every fallback, what the controller did."""
 
     def __init__(
@@ -41,12 +41,12 @@ class Accounts:
         self._due_ns = 0
 
     def publish(self, stamp_ns: int, epoch: int, status: StepStatus) -> None:
-        """Publish the account of the last step, at `stamp_ns` [ns], if it is time."""
+        """Publish the status of the last step, at `stamp_ns` [ns], if it is time."""
         if stamp_ns < self._due_ns and status is not StepStatus.FALLBACK:
             return
         self._due_ns = stamp_ns - stamp_ns % self._period_ns + self._period_ns
         if self._state.get_subscription_count():
-            self._publish_state()
+            self._publish_state(epoch)
         priorities = self._controller.priorities
         shares = tuple(candidate.share for candidate in priorities.in_force.candidates)
         shown = (priorities.alpha.tobytes(), shares, priorities.in_transition, epoch)
@@ -54,13 +54,15 @@ class Accounts:
             self._shown_matrix = shown
             self._matrix.publish(matrix_message(priorities, stamp_ns / NANOSECONDS))
 
-    def _publish_state(self) -> None:
+    def _publish_state(self, epoch: int) -> None:
         controller = self._controller
         report = controller.report()
         rejected = dict(self._rejections.counts)  # the thread of the requests counts as well
         report.counts.update({f"rejected_{k}": n for k, n in rejected.items()})
         message = controller_state_message(
             report,
+            controller.priorities,
+            epoch,
             controller.formulation.name,
             controller.formulation.solver.name,
             controller.model.joint_names,

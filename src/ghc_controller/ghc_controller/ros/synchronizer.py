@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Generic, TypeVar
 
-from ghc_controller.ros.wire.epoch import epoch_number
 from ghc_controller.ros.wire.timeline import Place, Timeline
 from ghc_controller.types import Array
 
 M = TypeVar("M")
 
 
-class Verdict(Enum):
+class StateDisposition(Enum):
     """What a state message is."""
 
     NEW = "new"  # to be answered
@@ -21,7 +20,6 @@ class Verdict(Enum):
     REPEATED = "repeated"  # answered before: the same command again
     STALE = "stale"  # older than the last answered one
     WAITING = "waiting"  # something that belongs to it is still to come
-    MALFORMED = "malformed"  # the epoch is no number
     IMPLAUSIBLE = "implausible"  # far from the run under way, see Timeline
 
 
@@ -50,7 +48,11 @@ class StateGate(Generic[M]):
         self._answered_ns = -1
         self._repeatable = False
         self._begins = False  # a run has begun, and none of its states was answered yet
-        self.epoch = 0
+
+    @property
+    def epoch(self) -> int:
+        """Number of the run under way."""
+        return self.timeline.epoch
 
     @property
     def values(self) -> dict[str, Array]:
@@ -68,35 +70,33 @@ class StateGate(Generic[M]):
         """Stamp [ns] of the state that waits, if any."""
         return None if self._waiting is None else self._waiting[1]
 
-    def state(self, message: M, stamp_ns: int, epoch: str) -> Verdict:
-        """Judge a state message by its stamp and epoch (`frame_id`; "" is epoch 0)."""
-        number = epoch_number(epoch)
-        if number is None:
-            return Verdict.MALFORMED
-        place = self.timeline.judge(stamp_ns, number)
+    def state(self, message: M, stamp_ns: int) -> StateDisposition:
+        """Judge a state message by its stamp."""
+        place = self.timeline.judge(stamp_ns)
         if place is Place.OLDER:
-            return Verdict.STALE
+            return StateDisposition.STALE
         if place is Place.ELSEWHERE:
-            return Verdict.IMPLAUSIBLE
+            return StateDisposition.IMPLAUSIBLE
         if place is Place.RESTARTED:
-            self.epoch = number
             self._repeatable, self._begins = False, True
             self._plans = dict.fromkeys(self._plans, (-1, -1))
         if stamp_ns == self._answered_ns and self._repeatable:
-            return Verdict.REPEATED
+            return StateDisposition.REPEATED
         if self.missing(stamp_ns):
             self._waiting = (message, stamp_ns)
-            return Verdict.WAITING
+            return StateDisposition.WAITING
         self._waiting = None
         return self._news
 
-    def companion(self, name: str, stamp_ns: int, value: Array) -> tuple[M, Verdict] | None:
+    def companion(
+        self, name: str, stamp_ns: int, value: Array
+    ) -> tuple[M, StateDisposition] | None:
         """Take a companion; returns the state message that it completes, if any."""
         self._stamps[name] = stamp_ns
         self._values[name] = value
         return self._completed()
 
-    def plan(self, name: str, stamp_ns: int, epoch: int) -> tuple[M, Verdict] | None:
+    def plan(self, name: str, stamp_ns: int, epoch: int) -> tuple[M, StateDisposition] | None:
         """Take note of a plan; returns the state message that it completes, if any."""
         if name not in self._plans:
             return None
@@ -112,7 +112,7 @@ class StateGate(Generic[M]):
         """Recompute the last state if it is repeated, since an input has changed."""
         self._repeatable = False
 
-    def _completed(self) -> tuple[M, Verdict] | None:
+    def _completed(self) -> tuple[M, StateDisposition] | None:
         if self._waiting is None or self.missing(self._waiting[1]):
             return None
         message, _ = self._waiting
@@ -120,6 +120,6 @@ class StateGate(Generic[M]):
         return message, self._news
 
     @property
-    def _news(self) -> Verdict:
+    def _news(self) -> StateDisposition:
         """Of a state that was not answered before; a run begins with the first one that is."""
-        return Verdict.NEW_EPOCH if self._begins else Verdict.NEW
+        return StateDisposition.NEW_EPOCH if self._begins else StateDisposition.NEW

@@ -13,30 +13,20 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import time
 from collections.abc import Callable, Sequence
 
-import rclpy
-from builtin_interfaces.msg import Time
 from ghc_msgs.msg import PriorityMatrix, PriorityTransition, TransitionStatus
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from ghc_controller.hierarchy import Profile
+from ghc_controller.ros.by_hand.follow import add_timing, follow, line, show
 from ghc_controller.ros.qos import LATCHED_QOS, RELIABLE_QOS
-from ghc_controller.ros.run import EXIT_FAILED, EXIT_REFUSED
-from ghc_controller.ros.stop_signals import (
-    interrupt_on_stop_signals,
-    raise_if_stopped,
-    stop_was_asked,
-)
+from ghc_controller.ros.run import EXIT_FAILED
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_controller.types import NANOSECONDS
 
 NODE_NAME = "transition"
-_INTERRUPTED = 130
 _DURATION = 2.0  # [s] of a ramp for which nothing is said
 _WORDS = {
     getattr(TransitionStatus, word): word
@@ -79,6 +69,12 @@ class TransitionRequest:
         self._publisher.publish(self._request)
         self.sent = True
 
+    def missing(self) -> str:
+        """What did not happen yet."""
+        if self.sent:
+            return "the transition did not end"
+        return "no ghc/priority_matrix: no controller, or one without joint_states,"
+
     def _on_matrix(self, message: PriorityMatrix) -> None:
         self._in_force = message
 
@@ -86,11 +82,6 @@ class TransitionRequest:
         if message.id == self._request.id:
             self._show(status_line(message))
             self.exit_code = _EXIT_CODES.get(message.status)
-
-
-def line(stamp: Time, word: str, detail: str) -> str:
-    """One line of the output; `stamp` is the robot's time."""
-    return f"t = {nanoseconds_from_time(stamp) / NANOSECONDS:8.3f} s  {word:9}  {detail}"
 
 
 def status_line(message: TransitionStatus) -> str:
@@ -118,47 +109,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         profile=options.profile,
     )
     request.header.stamp = time_from_seconds(options.start)
-    try:
-        # No handler of rclpy: it would take the context down under the loop.
-        rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
-    except RuntimeError as error:  # root of rclpy's errors for malformed --ros-args
-        return _complain(str(error), EXIT_REFUSED)
-    interrupt_on_stop_signals()
-    try:
-        return _follow(TransitionRequest(request, _print), options.timeout)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        return _complain("interrupted", _INTERRUPTED)
-    except RuntimeError:  # what an interrupt becomes while rclpy converts a message
-        if not stop_was_asked():
-            raise
-        return _complain("interrupted", _INTERRUPTED)
-    finally:
-        rclpy.try_shutdown()
-
-
-def _follow(request: TransitionRequest, timeout: float) -> int:
-    executor = SingleThreadedExecutor()
-    executor.add_node(request.node)
-    try:
-        return _spin(executor, request, timeout)
-    finally:  # before the context goes, which the executor's own end needs
-        executor.shutdown()
-
-
-def _spin(executor: SingleThreadedExecutor, request: TransitionRequest, timeout: float) -> int:
-    deadline = time.monotonic() + timeout
-    while request.exit_code is None:
-        executor.spin_once(timeout_sec=0.05)
-        raise_if_stopped()
-        request.send_when_heard()
-        if time.monotonic() > deadline:
-            what = (
-                "the transition did not end"
-                if request.sent
-                else "no ghc/priority_matrix: no controller, or one without joint_states,"
-            )
-            return _complain(f"{what} within {timeout:g} s", EXIT_FAILED)
-    return request.exit_code
+    return follow(NODE_NAME, given, lambda: TransitionRequest(request, show), options.timeout)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -182,21 +133,8 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NM_PER_S",
         help="that the ramp may add to any joint: it takes as long as this asks (default: any)",
     )
-    parser.add_argument(
-        "--start",
-        type=_stamp,
-        default=0.0,
-        metavar="SECONDS",
-        help="time of the robot at which the ramp starts (default: at once)",
-    )
     parser.add_argument("--profile", choices=profiles, default=profiles[0])
-    parser.add_argument(
-        "--timeout",
-        type=float,
-        default=60.0,
-        metavar="SECONDS",
-        help="wall time until the end of the ramp (default: 60)",
-    )
+    add_timing(parser, "ramp")
     return parser
 
 
@@ -205,22 +143,6 @@ def _duration(options: argparse.Namespace) -> float:
     if options.duration is not None:
         return float(options.duration)
     return 0.0 if options.torque_rate else _DURATION
-
-
-def _stamp(text: str) -> float:
-    seconds = float(text)
-    if not 0.0 <= seconds < 2**31:  # what a time message holds
-        raise argparse.ArgumentTypeError(f"{text} given, 0 to {2**31 - 1} expected")
-    return seconds
-
-
-def _print(line: str) -> None:
-    print(line, flush=True)
-
-
-def _complain(text: str, code: int) -> int:
-    print(f"{NODE_NAME}: {' '.join(text.split())}", file=sys.stderr, flush=True)
-    return code
 
 
 if __name__ == "__main__":

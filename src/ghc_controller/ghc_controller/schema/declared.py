@@ -22,6 +22,7 @@ from ghc_controller.schema.domains import Domain, Range
 
 _KEY = "declared"
 _INLINE = "inline"
+_CHOSEN = "chosen"
 NO_FALLBACK = object()
 
 
@@ -66,6 +67,14 @@ class Entry:
         return unit + self.declaration.text
 
 
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """How the value of one field chooses the dataclass of another."""
+
+    field: str
+    find: Callable[[str], type | None]
+
+
 def declared(text: str, default: Any = MISSING, **about: Any) -> Any:
     """A dataclass field with its declaration; without a default it has to be given.
 
@@ -83,6 +92,14 @@ def declared(text: str, default: Any = MISSING, **about: Any) -> Any:
 def inline(kind: type) -> Any:
     """A dataclass field whose own fields stand beside those of the dataclass that has it."""
     return field(default_factory=kind, metadata={_INLINE: True})
+
+
+def chosen_by(name: str, find: Callable[[str], type | None]) -> Any:
+    """A dataclass field with a record of the kind that the value of the field `name` chooses.
+
+    Its fields stand beside those of the dataclass that has it. None: that value has none.
+    """
+    return field(default=None, metadata={_CHOSEN: Choice(name, find)})
 
 
 def entries(kind: type) -> tuple[Entry, ...]:
@@ -110,6 +127,11 @@ def inlined(kind: type) -> dict[str, type]:
     return {item.name: hints[item.name] for item in fields(kind) if _INLINE in item.metadata}
 
 
+def chosen(kind: type) -> dict[str, Choice]:
+    """Field -> what chooses its dataclass."""
+    return {item.name: item.metadata[_CHOSEN] for item in fields(kind) if _CHOSEN in item.metadata}
+
+
 def flat(kind: type) -> Iterator[Entry]:
     """Declared fields of a dataclass and of what stands inline in it, by their names in files."""
     own = {entry.field: entry for entry in entries(kind)}
@@ -122,11 +144,14 @@ def flat(kind: type) -> Iterator[Entry]:
 
 
 def flat_values(record: Any) -> Iterator[tuple[Entry, Any]]:
-    """Declared fields of a record, inline ones included, with their values."""
+    """Declared fields of a record with their values, inline and chosen ones included."""
     for entry in entries(type(record)):
         yield entry, getattr(record, entry.field)
     for name in inlined(type(record)):
         yield from flat_values(getattr(record, name))
+    for name in chosen(type(record)):
+        if getattr(record, name) is not None:
+            yield from flat_values(getattr(record, name))
 
 
 def check(record: Any) -> None:

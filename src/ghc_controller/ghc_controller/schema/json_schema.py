@@ -6,6 +6,7 @@ is left to the reader.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, is_dataclass
 from enum import Enum
@@ -188,4 +189,6 @@ def _as_json(value: Any) -> Any:
         return value.value
     if isinstance(value, tuple):
         return [_as_json(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None  # JSON has no infinity
     return None if is_dataclass(value) else value

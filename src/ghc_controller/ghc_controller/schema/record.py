@@ -6,14 +6,14 @@ declarations (`declared.py`) say the rest.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import is_dataclass
 from enum import Enum
 from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin
 
 from ghc_controller.errors import InvalidField, InvalidValue
-from ghc_controller.schema.declared import Declaration, Entry, entries, inlined
+from ghc_controller.schema.declared import Declaration, Entry, chosen, entries, inlined
 from ghc_controller.schema.domains import Range
 from ghc_controller.schema.reader import Fields
 
@@ -47,6 +47,21 @@ def read(
     return record
 
 
+def known_names(kind: type, given: Mapping[str, Any], base: Any = None) -> Iterator[str]:
+    """Names that a mapping may have, those of records that its values choose included."""
+    for entry in entries(kind):
+        yield entry.name
+    for name, part in inlined(kind).items():
+        yield from known_names(part, given, None if base is None else getattr(base, name))
+    by_field = {entry.field: entry for entry in entries(kind)}
+    for choice in chosen(kind).values():
+        entry = by_field[choice.field]
+        usual = entry.default if base is None else getattr(base, entry.field)
+        own = choice.find(given.get(entry.name, usual))
+        if own is not None:
+            yield from known_names(own, given)
+
+
 def from_mapping(
     kind: type[T], values: Mapping[str, Any], source: str, base: T | None = None
 ) -> T:
@@ -72,6 +87,10 @@ def _record(fields: Fields, kind: type[T], names: Names, rows: Rows | None, base
     for name, part in inlined(kind).items():
         below = None if base is None else getattr(base, name)
         values[name] = _record(fields, part, names, rows, below)
+    for name, choice in chosen(kind).items():
+        own = choice.find(values[choice.field])
+        below = getattr(base, name) if own and isinstance(getattr(base, name, None), own) else None
+        values[name] = None if own is None else _record(fields, own, names, rows, below)
     try:
         return kind(**values)
     except InvalidField as error:

@@ -1,4 +1,4 @@
-"""Position of the robot's centre of mass."""
+"""Position of the robot's center of mass."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
@@ -15,10 +16,12 @@ from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 from ghc_controller.tasks.curvature import point_curvature
 from ghc_controller.tasks.force_control import WORLD_AXES
-from ghc_controller.tasks.kernels import position_rows
+from ghc_controller.tasks.frame_kernels import frame_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
+
+_NO_TURN = np.eye(3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +38,7 @@ class CenterOfMassFields(TaskFields):
 
 @register_task("center_of_mass")
 class CenterOfMassTask(Task):
-    """xi = chosen world coordinates of the centre of mass [m].
+    """xi = chosen world coordinates of the center of mass [m].
 
     Fields: stiffness, damping, axes (default [x, y, z]), reference (optional position).
     """
@@ -46,10 +49,10 @@ class CenterOfMassTask(Task):
         self,
         name: str,
         model: RobotModel,
-        stiffness: float | Array,
-        damping: float | Array,
+        stiffness: ArrayLike,
+        damping: ArrayLike,
         axes: tuple[str, ...] = WORLD_AXES,
-        reference: Array | None = None,
+        reference: ArrayLike | None = None,
     ) -> None:
         """See Task for the gains.
 
@@ -57,7 +60,7 @@ class CenterOfMassTask(Task):
             InvalidValue: the model has no mass.
         """
         if not model.mass > 0.0:
-            raise InvalidValue(f"task '{name}': the robot has no mass, thus no centre of mass")
+            raise InvalidValue(f"task '{name}': the robot has no mass, thus no center of mass")
         super().__init__(name, axes, stiffness, damping, reference)
         self._axes = np.array([WORLD_AXES.index(axis) for axis in axes])
 
@@ -65,31 +68,21 @@ class CenterOfMassTask(Task):
     def from_config(cls, fields: Fields, model: RobotModel) -> CenterOfMassTask:
         """Build from one entry of `tasks` in robot.yaml."""
         given = read(fields, cls.entry, rows=lambda v: len(v["axes"]))
-        return cls(
-            given.name,
-            model,
-            np.array(given.stiffness),
-            np.array(given.damping),
-            given.axes,
-            None if given.reference is None else np.array(given.reference),
-        )
+        gains = given.stiffness, given.damping
+        return cls(given.name, model, *gains, given.axes, given.reference)
 
-    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
-        """Rows on the velocity of the centre of mass."""
-        position_rows(
-            model.center_of_mass(),
-            model.center_of_mass_jacobian(),
-            model.center_of_mass_velocity(),
-            model.center_of_mass_drift(),
+    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
+        """Rows on the velocity of the center of mass."""
+        frame_rows(
             self._axes,
-            target.position,
-            target.velocity,
-            target.acceleration,
-            self.stiffness,
-            self.damping,
-            out.jacobian,
-            out.target,
+            model.center_of_mass(),
+            _NO_TURN,
+            model.center_of_mass_jacobian(),
+            model.center_of_mass_drift(),
+            reference.position,
             out.error,
+            out.jacobian,
+            out.drift,
         )
 
     def curvature(self, model: RobotModel, weights: Array) -> Array:
@@ -99,5 +92,5 @@ class CenterOfMassTask(Task):
         return point_curvature(model, model.angular_axes(), model.center_of_mass_jacobian(), along)
 
     def current(self, model: RobotModel) -> Array:
-        """Chosen coordinates of the centre of mass now, (m,) [m]."""
+        """Chosen coordinates of the center of mass now, (m,) [m]."""
         return model.center_of_mass()[self._axes]

@@ -41,11 +41,14 @@ def rotation_curvature(model: RobotModel, angular: Array, weights: Array) -> Arr
     return 0.5 * point_curvature(model, angular, angular, weights)
 
 
-def rotation_error_curvature(model: RobotModel, angular: Array, error: Array) -> Array:
-    """S (n, n) with grad^2 (1/2 |e|^2) = J^T J + S for e = log(R* R^T), 0 <= |e| <= pi.
+def rotation_error_term(angular: Array, error: Array) -> Array:
+    """T (n, n) with grad^2 (1/2 |e|^2) = J^T J + T - sum_r e_r grad^2 phi_r, e = log(R* R^T).
 
     The gradient is -J^T e, and e' = -J_r(e)^-1 J q' with the right Jacobian J_r of rotation.py,
     whose inverse has the symmetric part I + c [e]^2, c = (1 - |e|/2 cot(|e|/2)) / |e|^2.
+
+    Args:
+        angular: J (3, n). error: e (3,), 0 <= |e| <= pi.
     """
     angle = float(np.linalg.norm(error))
     if angle < _SMALL:
@@ -53,8 +56,7 @@ def rotation_error_curvature(model: RobotModel, angular: Array, error: Array) ->
     else:
         c = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / angle**2
     along = error @ angular
-    term = c * (np.outer(along, along) - angle**2 * (angular.T @ angular))
-    return term - rotation_curvature(model, angular, error)
+    return np.asarray(c * (np.outer(along, along) - angle**2 * (angular.T @ angular)))
 
 
 @njit(cache=True)

@@ -16,6 +16,7 @@ from ghc_controller.schema.declared import check, declared
 from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
+from ghc_controller.tasks.memory import TaskMemory
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
 WORLD_AXES = ("x", "y", "z")
@@ -65,16 +66,6 @@ class ForceFields:
     def ends_below(self) -> float:
         """Force at which force control ends [N]."""
         return RELEASE_SHARE * self.threshold if self.release is None else self.release
-
-
-@dataclass(slots=True)
-class ForceState:
-    """Memory of force control: cleared by ForceControl.reset and on every loss of contact."""
-
-    integral: Array  # (m,) [N s] of f_ref - f_meas
-    active: bool = False
-    time: float = 0.0  # [s] state that was answered last
-    begin: float = 0.0  # [s] first state in contact
 
 
 class ForceControl:
@@ -141,93 +132,117 @@ class ForceControl:
         self._gains = np.array(
             [settings.proportional, settings.integral, settings.damping, settings.threshold]
         )
-        self._wrench = np.zeros(6)  # measured, in an array of our own: one compiled signature
-        self.reset()
 
     @classmethod
     def from_config(cls, fields: Fields, frame_id: int, axes: Sequence[str]) -> ForceControl:
         """Build from the `force` section of a task in robot.yaml."""
         return cls(frame_id, axes, read(fields, ForceFields, names={"axis": axes}))
 
-    def reset(self) -> None:
-        """Back to motion control with a zero integral."""
-        self.state = ForceState(np.zeros(self._axes.shape))
+    def make_memory(self) -> ForceMemory:
+        """Memory of one follower of the task: out of contact, with a zero integral."""
+        return ForceMemory(self)
 
-    def apply(
+    def normal_force(self, wrench: Array) -> float:
+        """Size of the force along the force axes [N]; wrench (6,)."""
+        return _norm_along(self._force_axes, wrench)
+
+    def ends(self, force: float, elapsed: float) -> bool:
+        """Whether contact is lost at `force` [N], `elapsed` [s] after it began."""
+        return elapsed >= self.rise_time and force < self.release  # while it rises little is felt
+
+    def share(self, elapsed: float) -> float:
+        """How much of the reference is commanded, 0 at the touch and 1 after the rise time."""
+        if elapsed >= self.rise_time:
+            return 1.0
+        return 0.5 - 0.5 * math.cos(math.pi * elapsed / self.rise_time)
+
+    def exert(
         self,
         model: RobotModel,
-        state: RobotState,
-        target: TaskTarget,
-        out: TaskRows,
+        share: float,
+        step: float,
+        reference: Array,
+        wrench: Array,
+        integral: Array,
+        rows: TaskRows,
     ) -> int:
-        """Change motion rows in `out` into hybrid rows and exert the force, while in contact.
+        """Keep the force rows still and exert w_d; number of force rows.
 
         Args:
-            model: updated with `state`.
-            state: its time and the wrench of the contact count here.
-            target: reference at this instant.
-            out: motion rows already written; force rows get the error f_ref - f_meas [N].
-
-        Returns:
-            Number of rows under force control now.
+            reference: (m,) [N]; `share` of it is commanded.
+            wrench: (6,) measured. step: [s] by which `integral` (m,) [N s] is advanced.
+            rows: just measured; force rows get the error f_ref - f_meas [N].
         """
-        wrench = state.wrenches.get(self.contact)
-        if target.wrench is None or wrench is None:
-            self._leave_contact()
-            return 0
-        self._wrench[:] = wrench
-        normal_force = _norm_along(self._force_axes, self._wrench)
-        if not self._in_contact(normal_force, state.time):
-            self._leave_contact()
-            return 0
-        step = self._step(state.time)
-        frame = model.frame(self._frame_id)
-        wrench_d = np.zeros(self._axes.shape)
+        wanted = np.zeros(self._axes.shape)
         _force_rows(
             self.force_rows,
             self._axes,
             step,
-            self._share(state.time),
-            target.wrench,
-            self._wrench,
+            share,
+            reference,
+            wrench,
             self._gains,
-            frame.drift,
-            frame.velocity,
-            self.state.integral,
-            wrench_d,
-            out.target,
-            out.error,
+            integral,
+            wanted,
+            rows.error,
+            rows.velocity,
+            rows.acceleration,
+            rows.stiffness,
+            rows.damping,
         )
-        model.exert(f"{self.contact} {self._frame_id}", out.jacobian, wrench_d)
+        model.exert(f"{self.contact} {self._frame_id}", rows.jacobian, wanted)
         return len(self._force_axes)
 
-    def _leave_contact(self) -> None:
-        if self.state.active:
+
+class ForceMemory(TaskMemory):
+    """Whether the task is in contact, since when, and the integral of the force error."""
+
+    def __init__(self, control: ForceControl) -> None:
+        self._control = control
+        self._wrench = np.zeros(6)  # measured, in an array of our own: one compiled signature
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to motion control with a zero integral."""
+        self._integral = np.zeros(len(self._control.force_rows))  # [N s] of f_ref - f_meas
+        self._active = False
+        self._time = 0.0  # [s] state that was answered last
+        self._begin = 0.0  # [s] first state in contact
+
+    def apply(
+        self, model: RobotModel, state: RobotState, reference: TaskTarget, rows: TaskRows
+    ) -> int:
+        """Change motion rows into hybrid rows and exert the force, while in contact."""
+        control, wrench = self._control, state.wrenches.get(self._control.contact)
+        if reference.wrench is None or wrench is None:
+            self._leave()
+            return 0
+        self._wrench[:] = wrench
+        if not self._in_contact(control.normal_force(self._wrench), state.time):
+            self._leave()
+            return 0
+        step = self._step(state.time)
+        share = control.share(state.time - self._begin)
+        return control.exert(
+            model, share, step, reference.wrench, self._wrench, self._integral, rows
+        )
+
+    def _leave(self) -> None:
+        if self._active:
             self.reset()
 
-    def _in_contact(self, normal_force: float, time: float) -> bool:
-        if self.state.active:
-            rising = (
-                time - self.state.begin < self.rise_time
-            )  # little is asked for, little is felt
-            return rising or normal_force >= self.release
-        return normal_force > self.threshold
+    def _in_contact(self, force: float, time: float) -> bool:
+        if self._active:
+            return not self._control.ends(force, time - self._begin)
+        return force > self._control.threshold
 
     def _step(self, time: float) -> float:
         """Integration time since the last state; zero for a repeated one: the same answer."""
-        memory = self.state
-        step = min(max(time - memory.time, 0.0), _MAX_STEP) if memory.active else 0.0
-        if not memory.active:
-            memory.begin = time
-        memory.active, memory.time = True, time
+        step = min(max(time - self._time, 0.0), _MAX_STEP) if self._active else 0.0
+        if not self._active:
+            self._begin = time
+        self._active, self._time = True, time
         return step
-
-    def _share(self, time: float) -> float:
-        """How much of the reference is asked for, 0 at the touch and 1 after the rise time."""
-        elapsed = time - self.state.begin
-        if elapsed >= self.rise_time:
-            return 1.0
-        return 0.5 - 0.5 * math.cos(math.pi * elapsed / self.rise_time)
 
 
 @numba.njit(cache=True)
@@ -247,23 +262,25 @@ def _force_rows(
     reference: Array,
     wrench: Array,
     gains: Array,
-    drift: Array,
-    velocity: Array,
     integral: Array,
     wrench_out: Array,
-    target_out: Array,
     error_out: Array,
+    velocity_out: Array,
+    acceleration_out: Array,
+    stiffness_out: Array,
+    damping_out: Array,
 ) -> None:
-    """Write w_d, and on the force rows a target that stays still and the force error.
+    """Write w_d, and on the force rows the force error and gains and reference of a row at rest.
 
     gains: proportional, integral, damping, threshold; integral (m,) [N s] is advanced by `step`;
-    share: of the reference that is asked for by now.
+    share: of the reference that is commanded by now.
     """
     for i in range(axes.shape[0]):
         if force_rows[i]:
             error_out[i] = reference[i] + wrench[axes[i]]
+            velocity_out[i] = acceleration_out[i] = stiffness_out[i] = 0.0
+            damping_out[i] = gains[2]
             error = share * reference[i] + wrench[axes[i]]
-            target_out[i] = -drift[axes[i]] - gains[2] * velocity[axes[i]]
             wrench_out[i] = share * reference[i] + share * gains[0] * error
             if gains[1] > 0.0:
                 largest = max(abs(reference[i]), gains[3]) / gains[1]

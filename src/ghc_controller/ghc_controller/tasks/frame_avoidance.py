@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
@@ -61,13 +62,13 @@ class FrameAvoidanceTask(Task):
         name: str,
         model: RobotModel,
         frame: str,
-        stiffness: float | Array,
-        damping: float | Array,
+        stiffness: ArrayLike,
+        damping: ArrayLike,
         distance: float,
         near: float,
         far: float,
         radius: float = 0.0,
-        reference: Array | None = None,
+        reference: ArrayLike | None = None,
     ) -> None:
         """See Task for the gains; `distance`, `near`, `far` and `radius` in [m].
 
@@ -92,13 +93,13 @@ class FrameAvoidanceTask(Task):
             given.name,
             model,
             given.frame,
-            np.array(given.stiffness),
-            np.array(given.damping),
+            given.stiffness,
+            given.damping,
             given.distance,
             given.near,
             given.far,
             given.radius,
-            None if given.reference is None else np.array(given.reference),
+            given.reference,
         )
 
     @property
@@ -110,23 +111,22 @@ class FrameAvoidanceTask(Task):
         """The configured position of the obstacle; without one, far above the frame."""
         return self._reference or self.static_target(self.current(model))
 
-    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
+    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
         """One row along the line from the obstacle to the frame."""
         frame = model.frame(self._frame_id)
-        away = frame.position - target.position
+        away = frame.position - reference.position
         length = max(float(np.linalg.norm(away)), _CLOSEST)
         n, d = away / length, length - self.radius
-        approach = frame.velocity[:3] - target.velocity
+        approach = frame.velocity[:3] - reference.velocity
         rate = float(n @ approach)
         turning = (float(approach @ approach) - rate * rate) / length
         h = _smooth_step((self.far - d) / (self.far - self.near))
-        stiffness, damping = float(self.stiffness[0]), float(self.damping[0])
-        kept = stiffness * (self.distance - d) - damping * rate - turning
-        kept += float(n @ target.acceleration)
-        still = -damping * float(n @ frame.velocity[:3])
-        out.jacobian[0] = n @ frame.jacobian[:3]
-        out.target[0] = h * kept + (1.0 - h) * still - float(n @ frame.drift[:3])
         out.error[0] = self.distance - d
+        out.jacobian[0] = n @ frame.jacobian[:3]
+        out.drift[0] = float(n @ frame.drift[:3])
+        out.velocity[0] = h * float(n @ reference.velocity)
+        out.acceleration[0] = h * (float(n @ reference.acceleration) - turning)
+        out.stiffness[0] = h * self.stiffness[0]
 
     def current(self, model: RobotModel) -> Array:
         """Position of an obstacle that is far away, (3,) [m]: the frame has none of its own."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.declared import declared
@@ -30,7 +31,7 @@ class JointLimitFields(TaskFields):
 class JointLimitTask(Task):
     """One row per joint, zero unless the joint is within `margin` [rad] of a limit.
 
-    There it asks for the edge of the margin, at rest: x = stiffness (edge - q) - damping v. It is
+    There it demands the edge of the margin, at rest: x = stiffness (edge - q) - damping v. It is
     the first level of Jeong and Chang (2009). Its rows come and go in one step, and so do torques;
     joints pass their limits by degrees where targets are far. The bounds of `position_limits` do
     neither.
@@ -46,8 +47,8 @@ class JointLimitTask(Task):
         self,
         name: str,
         model: RobotModel,
-        stiffness: float | Array,
-        damping: float | Array,
+        stiffness: ArrayLike,
+        damping: ArrayLike,
         margin: float,
     ) -> None:
         """See Task for the gains."""
@@ -59,19 +60,16 @@ class JointLimitTask(Task):
     def from_config(cls, fields: Fields, model: RobotModel) -> JointLimitTask:
         """Build from one entry of `tasks` in robot.yaml."""
         given = read(fields, cls.entry, rows=lambda _: model.na)
-        stiffness, damping = np.array(given.stiffness), np.array(given.damping)
-        return cls(given.name, model, stiffness, damping, given.margin)
+        return cls(given.name, model, given.stiffness, given.damping, given.margin)
 
-    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:  # noqa: ARG002
-        """Rows of the joints beyond their edge; all others are zero."""
-        na = model.na
-        q, v = model.q[-na:], model.v[-na:]
-        error = np.clip(q, self._lower, self._upper) - q
-        beyond = error != 0.0
-        out.error[:] = error
-        out.target[:] = np.where(beyond, self.stiffness * error - self.damping * v, 0.0)
+    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:  # noqa: ARG002
+        """Rows of the joints beyond their edge, to come to rest there; all others are zero."""
+        q = model.q[-model.na :]
+        out.error[:] = np.clip(q, self._lower, self._upper) - q
+        beyond = np.flatnonzero(out.error)
         out.jacobian[:] = 0.0
-        out.jacobian[beyond, np.flatnonzero(beyond) + model.nv - na] = 1.0
+        out.jacobian[beyond, beyond + model.nv - model.na] = 1.0
+        out.drift[:] = out.velocity[:] = out.acceleration[:] = 0.0
 
     def current(self, model: RobotModel) -> Array:
         """Positions of the joints now, (na,) [rad]."""

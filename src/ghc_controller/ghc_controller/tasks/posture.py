@@ -6,14 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numba
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
-from ghc_controller.tasks.kernels import posture_rows
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import Task, TaskFields
 from ghc_controller.types import Array, TaskRows, TaskTarget
@@ -52,10 +53,10 @@ class PostureTask(Task):
         self,
         name: str,
         model: RobotModel,
-        stiffness: float | Array,
-        damping: float | Array,
+        stiffness: ArrayLike,
+        damping: ArrayLike,
         joints: Sequence[str] | None = None,
-        reference: Array | None = None,
+        reference: ArrayLike | None = None,
     ) -> None:
         """See Task for the gains; `joints` defaults to every actuated joint.
 
@@ -100,24 +101,18 @@ class PostureTask(Task):
             position = np.full(len(joints), reference)
         if position is not None:
             _check_range(fields, model, joints, position)
-        stiffness, damping = np.array(given.stiffness), np.array(given.damping)
-        return cls(given.name, model, stiffness, damping, joints, position)
+        return cls(given.name, model, given.stiffness, given.damping, joints, position)
 
-    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
-        """Selection matrix; target = acceleration + stiffness e + damping e'."""
-        posture_rows(
+    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
+        """Selection matrix, without drift."""
+        _joint_rows(
             model.q,
-            model.v,
             self._q_indices,
             self._v_indices,
-            target.position,
-            target.velocity,
-            target.acceleration,
-            self.stiffness,
-            self.damping,
-            out.jacobian,
-            out.target,
+            reference.position,
             out.error,
+            out.jacobian,
+            out.drift,
         )
 
     def curvature(self, model: RobotModel, weights: Array) -> Array:
@@ -155,3 +150,20 @@ def _check_range(
                 f"{value:g} for joint '{joint}' is beyond its limits, {lower:g} to {upper:g}; "
                 "radians (or meters) expected",
             )
+
+
+@numba.njit(cache=True)
+def _joint_rows(
+    q: Array,
+    q_indices: NDArray[np.int64],
+    v_indices: NDArray[np.int64],
+    reference: Array,
+    error_out: Array,
+    jacobian_out: Array,
+    drift_out: Array,
+) -> None:
+    jacobian_out[:] = 0.0
+    for i in range(q_indices.shape[0]):
+        error_out[i] = reference[i] - q[q_indices[i]]
+        jacobian_out[i, v_indices[i]] = 1.0
+        drift_out[i] = 0.0

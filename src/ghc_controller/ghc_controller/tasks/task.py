@@ -1,24 +1,25 @@
-"""What a task is: an error, a Jacobian and a local controller (section 3 of ghc_2015)."""
+"""What a task is: an error, a Jacobian and a drift (section 3 of ghc_2015)."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.migration.names import Kind, hint
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.follower import Follower
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE
 from ghc_controller.schema.reader import Fields
 from ghc_controller.tasks.force_control import ForceControl
-from ghc_controller.tasks.kernels import task_rows
-from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
+from ghc_controller.tasks.memory import TaskMemory
+from ghc_controller.types import Array, TaskRows, TaskTarget
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,14 +36,14 @@ class TaskFields:
 
 
 class Task(Follower):
-    """Turns a target into rows `jacobian @ dv -> target` of the least-squares problem.
+    """Measures a task variable xi against its reference xi*: e = xi* - xi, xi' = J v.
 
-    With task variable xi, reference xi* and error e, the local controller is (section 6)
-        xi''_d = xi''* + stiffness e + damping e',
-    and with xi'' = J dv + J' v (eq. 2) the rows are J dv -> xi''_d - J' v.
+    With xi'' = J dv + J' v (eq. 2) that is all a controller needs to know of it: the law that
+    makes accelerations of errors is the same for all tasks (tasks/law.py), and solvers on velocity
+    level use e and J alone.
 
     A new kind of task is one new file in this folder: a subclass of Task that implements
-    `write_rows`, `current` and `from_config`, under the decorator `@register_task("kind")` of
+    `measure`, `current` and `from_config`, under the decorator `@register_task("kind")` of
     `registry.py`. Every module of this folder is imported when the first kind is looked up, so
     nothing else needs to change. Another package brings kinds by entry points
     (docs/plugins.md).
@@ -63,9 +64,9 @@ class Task(Follower):
         self,
         name: str,
         labels: Sequence[str],
-        stiffness: float | Array,
-        damping: float | Array,
-        reference: Array | None = None,
+        stiffness: ArrayLike,
+        damping: ArrayLike,
+        reference: ArrayLike | None = None,
     ) -> None:
         """Store gains (one number or one per row) and an optional standing reference.
 
@@ -73,41 +74,24 @@ class Task(Follower):
             InvalidValue: a gain or reference is not finite, or a gain is negative.
             WrongSize: as many gains or reference entries as rows are expected.
         """
-        super().__init__(name, labels, reference)
+        super().__init__(name, labels, None if reference is None else np.asarray(reference))
         self.stiffness = self._gain("stiffness", stiffness)
         self.damping = self._gain("damping", damping)
 
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        """Raise TypeError for a kind that is written as in earlier versions."""
+        super().__init_subclass__(**keywords)
+        for name in vars(cls):
+            words = hint(Kind.METHOD, f"Task.{name}")
+            if words:
+                raise TypeError(f"{cls.__qualname__}.{name}: {words}")
+
     @property
     def force_row_mask(self) -> NDArray[np.bool_]:
-        """(m,) rows that follow a force while TaskRows.force_rows > 0."""
+        """(m,) rows that follow a force while TaskStack.force_rows of this task is > 0."""
         if self.force is None:
             return np.zeros(self.size, dtype=np.bool_)
         return self.force.force_rows
-
-    def rows(
-        self, model: RobotModel, state: RobotState, target: TaskTarget, out: TaskRows | None = None
-    ) -> TaskRows:
-        """Linearise the task at the state of the last `model.update`.
-
-        Args:
-            model: updated with `state`.
-            state: the same state; its wrenches and time matter to force rows only.
-            target: reference at this instant, with sizes as `check_target` wants them.
-            out: rows whose arrays are overwritten, as made by `empty_rows` (row blocks of
-                larger C-contiguous arrays do as well); fresh arrays without it.
-
-        Returns:
-            `out` or fresh rows; a new TaskRows on the same arrays when force_rows differs.
-        """
-        if out is None:
-            out = self.empty_rows(model.nv)
-        self.write_rows(model, target, out)
-        force_rows = 0
-        if self.force is not None:
-            force_rows = self.force.apply(model, state, target, out)
-        if force_rows != out.force_rows:
-            return TaskRows(out.jacobian, out.target, out.error, force_rows)
-        return out
 
     @classmethod
     @abstractmethod
@@ -115,8 +99,24 @@ class Task(Follower):
         """Build from one entry of `tasks` in robot.yaml (`kind` is already read)."""
 
     @abstractmethod
-    def write_rows(self, model: RobotModel, target: TaskTarget, out: TaskRows) -> None:
-        """Fill the arrays of `out` with motion rows."""
+    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
+        """Write error, Jacobian and drift at the state of the last `model.update`.
+
+        `out` has the velocity and acceleration of the reference and the gains of the task, which
+        most kinds leave alone. One whose reference is no point of xi also writes the velocity and
+        acceleration that the rows shall have; one whose gains depend on the state writes these.
+
+        Args:
+            reference: at this instant, with sizes as `check_target` wants them.
+            out: arrays of m rows, such as a block of a TaskStack. They begin with zeros and keep
+                what this task wrote before.
+        """
+
+    def measured(self, model: RobotModel, reference: TaskTarget) -> TaskRows:
+        """Fresh rows that hold error, Jacobian and drift at the last `model.update`."""
+        rows = TaskRows.zeros(self.size, model.nv)
+        self.measure(model, reference, rows)
+        return rows
 
     def curvature(self, model: RobotModel, weights: Array) -> Array:
         """Second-order term sum_r weights_r grad^2 xi_r at the last `model.update`, (n, n).
@@ -136,47 +136,15 @@ class Task(Follower):
         """S (n, n) with grad^2 (1/2 |e|^2) = J^T J + S; `error` (m,) as in TaskRows."""
         return -self.curvature(model, error)
 
-    def reset(self) -> None:
-        """Forget what was accumulated over time: force control starts afresh."""
-        if self.force is not None:
-            self.force.reset()
-
-    def empty_rows(self, n: int) -> TaskRows:
-        """Zero rows of this task for n velocity coordinates, to be passed as `out`."""
-        return TaskRows(np.zeros((self.size, n)), np.zeros(self.size), np.zeros(self.size))
-
-    def fill(
-        self,
-        out: TaskRows,
-        jacobian: Array,
-        drift: Array,
-        error: Array,
-        velocity_error: Array,
-        acceleration: Array,
-    ) -> None:
-        """Write eq. 2 with the local controller into `out`: the short way for a new task.
-
-        Args:
-            jacobian: (m, n); drift, error, velocity_error, acceleration (of the reference): (m,).
-        """
-        task_rows(
-            jacobian,
-            drift,
-            error,
-            velocity_error,
-            acceleration,
-            self.stiffness,
-            self.damping,
-            out.jacobian,
-            out.target,
-            out.error,
-        )
+    def make_memory(self) -> TaskMemory | None:
+        """Empty memory for whoever follows this task over time; None where there is none."""
+        return None if self.force is None else self.force.make_memory()
 
     def __repr__(self) -> str:
         """Kind, name and rows."""
         return f"{type(self).__name__}({self.name!r}, rows={list(self.labels)})"
 
-    def _gain(self, field: str, value: float | Array) -> Array:
+    def _gain(self, field: str, value: ArrayLike) -> Array:
         gain = np.array(value, dtype=np.float64)
         if gain.ndim == 0:
             gain = np.full(self.size, float(gain))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,35 +15,19 @@ from ghc_msgs.msg import (
 )
 from rclpy.serialization import deserialize_message
 
-from ghc_controller.errors import InvalidValue
 from ghc_controller.previews.motion import PlannedMotion as Motion
 from ghc_controller.previews.motion import state_at
 from ghc_controller.previews.preview import CONTACT_FORCES, OBSTACLE_MOTION, Preview
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.ros.conversions.common import doubles
 from ghc_controller.ros.conversions.previews import motion_state
-from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds, time_from_seconds
+from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_controller.types import NANOSECONDS, Array
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule as Contact
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule as Schedule
 
 LONGEST_GUESS = 0.1  # [s] over which motion in force is continued beyond what was heard
-
-
-def header_of(data: bytes) -> tuple[int, str]:
-    """Stamp [ns] and frame_id of a serialized message that begins with a header.
-
-    Raises:
-        InvalidValue: too short to be one.
-    """
-    try:
-        order = "<" if data[1] & 1 else ">"
-        seconds, nanoseconds, length = struct.unpack_from(order + "iII", data, 4)
-        frame = bytes(data[16 : 16 + max(length - 1, 0)]).decode()
-    except (IndexError, UnicodeDecodeError, struct.error) as error:
-        raise InvalidValue(f"no message with a header: {error}") from error
-    return seconds * NANOSECONDS + nanoseconds, frame
 
 
 def times_of(message: ContactSchedule | LimitSchedule, now: float) -> tuple[float, float | None]:
@@ -58,15 +41,19 @@ def times_of(message: ContactSchedule | LimitSchedule, now: float) -> tuple[floa
     return start, known_from / NANOSECONDS if known_from else None
 
 
-def schedule_message(schedule: Schedule) -> ContactSchedule | LimitSchedule:
-    """Message of a schedule with absolute times; the stamp is a nanosecond, as good as zero."""
+def schedule_message(
+    schedule: Schedule, run_start: float = 0.0
+) -> ContactSchedule | LimitSchedule:
+    """Message of a schedule whose times count from `run_start` [s] of the robot's time."""
     message = (
         ContactSchedule(contact=schedule.name)
         if isinstance(schedule, Contact)
         else LimitSchedule(names=[schedule.name])
     )
-    message.header.stamp = time_from_nanoseconds(1)
-    message.known_from = time_from_seconds(schedule.known_from or 0.0)
+    # A nanosecond is as good as zero, which would mean: on receipt.
+    message.header.stamp = time_from_seconds(max(run_start, 1e-9))
+    if schedule.known_from:
+        message.known_from = time_from_seconds(run_start + schedule.known_from)
     message.times = doubles(schedule.times)
     message.lower = doubles(schedule.lower)
     message.upper = doubles(schedule.upper)
@@ -130,9 +117,7 @@ def _bounds_of(message: ControllerState, kind: str) -> dict[str, Array]:
     if kind != CONTACT_FORCES:
         entries: Sequence[BoundInForce] = message.bounds
         return {e.row: np.array([e.lower, e.upper]) for e in entries if e.kind == kind}
-    rows = zip(message.contact_lower, message.contact_upper, strict=False)
-    names = message.bounded_contacts
-    return {name: np.array(row) for name, row in zip(names, rows, strict=False)}
+    return {c.name: np.array([c.lower, c.upper]) for c in message.contacts if c.planned}
 
 
 def _stamp(message: ControllerState) -> float:

@@ -1,8 +1,8 @@
 """A constraint generator behind ROS topics: raw input in, previews of its constraint each tick.
 
-Publishes  constraints/preview (stamp = the tick), /diagnostics.
-Subscribes ghc/tick (when to plan), the input that the generator declares, ghc/controller_state
-           (what is in force, before the first preview).
+Publishes  constraints/preview (stamp and epoch of the tick), /diagnostics.
+Subscribes ghc/tick (when to plan), sim_bridge/epoch (latched), the input that the generator
+           declares, ghc/controller_state (what is in force, before the first preview).
 Parameters `generator`: which one; and those of `parameters_of` that generator.
 """
 
@@ -10,19 +10,19 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from ghc_msgs.msg import ConstraintPreviews, ControllerState
+from ghc_msgs.msg import ConstraintPreviews, ControllerState, Tick
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rclpy.task import Future
-from std_msgs.msg import Header
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.conversions.common import diagnostics_message
@@ -32,14 +32,18 @@ from ghc_controller.ros.previews import PREVIEW_TOPIC
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, PREVIEW_QOS, STREAM_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import run_node, tolerant
+from ghc_controller.ros.time import nanoseconds_from_time
+from ghc_controller.ros.wire.cdr import decode_tick
+from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.generator import GENERATORS, Generator
-from ghc_mpc_constraints.ros.conversions import header_of, in_force
+from ghc_mpc_constraints.ros.conversions import in_force
 from ghc_mpc_constraints.ros.inputs import make_input
 from ghc_mpc_constraints.ros.parameters import parameters_of
 from ghc_mpc_constraints.ros.tick_clock import Due, TickClock
 
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
+MOST_EARLY = 1000  # [-] messages that wait for the run to which they belong
 NODE_NAME = "generator"
 
 
@@ -75,6 +79,7 @@ class GeneratorNode:
         self.clock = TickClock(round(self.parameters.settings.step * NANOSECONDS))
         self.rejections = Rejections()
         self._early: list[Callable[[], None]] = []  # what came before the first tick
+        self._next_run: deque[Callable[[], None]] = deque(maxlen=MOST_EARLY)
         self._in_force: list[bytes] = []  # the last two controller_states, until the first plan
         self._waiting_since: float | None = None  # [s] wall
         self._held_back_ns: int | None = None  # tick [ns] that waits for an input
@@ -98,7 +103,8 @@ class GeneratorNode:
         self._controller: Subscription | None = self.listen(
             ControllerState, "ghc/controller_state", self._on_controller, STREAM_QOS, True
         )
-        self.listen(Header, "ghc/tick", self._on_tick, CONTROL_SUBSCRIBER_QOS, True)
+        listen_to_epochs(self.node, self.clock.timeline, self.reject)
+        self.listen(Tick, "ghc/tick", self._on_tick, CONTROL_SUBSCRIBER_QOS, True)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
@@ -114,11 +120,9 @@ class GeneratorNode:
         self._previews.publish(self._message)
 
     def reset(self) -> None:
-        """Forget previews: time starts again, and with it the inputs that came."""
+        """Forget previews and inputs: those of the new run carry its stamps."""
         self._generator.reset()
-        lost = self._input.restart()
-        if lost:
-            self.node.get_logger().warning(lost)
+        self._input.forget()
 
     def take_over(self, states: Sequence[bytes], start_ns: int) -> bool:
         """Start from what the newest serialized ControllerStates, one or two, say is in force.
@@ -133,6 +137,9 @@ class GeneratorNode:
         self.after_first_tick(partial(self._take, message), self._input.newest_only)
 
     def _take(self, message: Any) -> None:
+        stamp_ns = nanoseconds_from_time(message.header.stamp)
+        if self._waits_for_next_run(stamp_ns, partial(self._take, message)):
+            return
         if self._input.take(message):
             self.look_again()
 
@@ -158,6 +165,13 @@ class GeneratorNode:
         else:
             handle()
 
+    def _waits_for_next_run(self, stamp_ns: int, handle: Callable[[], None]) -> bool:
+        """Whether a stamp [ns] is of a run that has not begun; then it is done when it begins."""
+        if not self.clock.timeline.is_of_next_run(stamp_ns):
+            return False
+        self._next_run.append(handle)
+        return True
+
     def reject(self, field: str, reason: str) -> None:
         """Count a refusal, and say so once in a while."""
         if self.rejections.count(field, time.monotonic()):
@@ -178,14 +192,18 @@ class GeneratorNode:
 
     def _on_tick(self, data: bytes) -> None:
         try:
-            stamp_ns, epoch = header_of(data)
-        except InvalidValue as error:
+            stamp_ns, epoch = decode_tick(data)
+        except ValueError as error:
             self.reject("ghc/tick", str(error))
             return
         due = self.clock.judge(stamp_ns, epoch)
         if self.clock.new_epoch:
             self.reset()
-        if self._early and due not in (Due.STALE, Due.MALFORMED, Due.IMPLAUSIBLE):
+            early = list(self._next_run)
+            self._next_run.clear()
+            for handle in early:
+                handle()
+        if self._early and due not in (Due.STALE, Due.IMPLAUSIBLE):
             for handle in self._early:
                 handle()
             self._early.clear()
@@ -195,12 +213,10 @@ class GeneratorNode:
             self._try_tick(stamp_ns)
         elif due in (Due.STALE, Due.IMPLAUSIBLE):
             self.reject(
-                "ghc/tick.stamp",
-                f"{stamp_ns / NANOSECONDS:.6f} s of epoch {epoch or '0'} given, "
+                "ghc/tick.start",
+                f"{stamp_ns / NANOSECONDS:.6f} s of epoch {epoch} given, "
                 f"{self.clock.timeline.expected()}",
             )
-        elif due is Due.MALFORMED:
-            self.reject("ghc/tick.frame_id", f"'{epoch}' given, an epoch such as '0' expected")
 
     def _try_tick(self, stamp_ns: int) -> None:
         """Plan the tick of a stamp unless something is still to come."""
@@ -214,14 +230,14 @@ class GeneratorNode:
         self._held_back_ns = None
         self._started = True
         self._in_force.clear()
-        if self._controller is not None:  # it would wake this node at every account
+        if self._controller is not None:  # it would wake this node at every status
             self.node.destroy_subscription(self._controller)
             self._controller = None
         self._tick_time = max(self._tick_time, time.perf_counter() - begun)
 
     def _waits_to_take_over(self, start_ns: int) -> bool:
         """Before the first plan of a run under way: wait for the bounds in force, use them."""
-        if self._started or start_ns == 0:
+        if self._started or start_ns == (self.clock.timeline.start_ns or 0):
             return False
         if self._in_force and self.take_over(self._in_force, start_ns):
             return False

@@ -14,13 +14,13 @@ from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.previews.preview import Preview
 from ghc_controller.ros.qos import SCHEDULE_QOS, SENSOR_SUBSCRIBER_QOS
 from ghc_controller.ros.time import nanoseconds_from_time
-from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS
+from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Timeline
 from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints.generator import Generator, Schedules, Sensor
 from ghc_mpc_constraints.ros.conversions import times_of
 from ghc_mpc_constraints.ros.tick_clock import TickClock
 from ghc_mpc_constraints.schedules.schedule_history import ScheduleHistory
-from ghc_mpc_constraints.schedules.schedule_inbox import MOST_KEPT, ScheduleInbox
+from ghc_mpc_constraints.schedules.schedule_inbox import ScheduleInbox
 
 Reject = Callable[[str, str], None]
 
@@ -54,8 +54,8 @@ class Input(ABC):
         """Whether there is all without which nothing could be planned for these rows."""
 
     @abstractmethod
-    def restart(self) -> str:
-        """Time starts again; what is lost with it, in words."""
+    def forget(self) -> None:
+        """Another run begins: what came is of one that has ended."""
 
     @property
     def counts(self) -> dict[str, int]:
@@ -86,13 +86,15 @@ class ScheduleInput(Input):
 
     def take(self, message: Any) -> bool:
         """Take the schedules of a message; a bad one is rejected."""
-        now = self._clock.now_ns / NANOSECONDS
+        now, timeline = self._clock.now_ns / NANOSECONDS, self._clock.timeline
         start, known_from = times_of(message, now)
+        running = self._clock.tick_ns > (timeline.start_ns or 0)
         known = False
         try:
+            _check_run(message, timeline)
             for read in self._given.read(message, start, self._names):
                 schedule = read.known_at(known_from)
-                at_once = self._inbox.put(schedule, now, self._clock.tick_ns > 0)
+                at_once = self._inbox.put(schedule, now, running)
                 self._accepted += 1
                 self._history.arrived(schedule.name, time.monotonic())
                 if at_once:
@@ -117,16 +119,11 @@ class ScheduleInput(Input):
         complete = [self._has_all_of(row) for row in in_force.rows]
         return all(complete) and set(in_force.rows) <= self._scheduled
 
-    def restart(self) -> str:
-        """Hold all schedules back again."""
+    def forget(self) -> None:
+        """Forget all schedules: those of the new run carry its stamps."""
         self._history.forget()
-        self._inbox.restart()
-        if not self._inbox.not_kept:
-            return ""
-        return (
-            f"{self._inbox.not_kept} schedules are not known again: more than {MOST_KEPT} "
-            f"came for a {'contact' if self._given.names == 'contacts' else 'joint'}"
-        )
+        self._inbox.forget()
+        self._scheduled.clear()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -192,10 +189,9 @@ class SensorInput(Input):
         """Whether the sensor has said anything."""
         return self._sensed_ns >= 0
 
-    def restart(self) -> str:
+    def forget(self) -> None:
         """Forget when it was heard last."""
         self._sensed_ns = -1
-        return ""
 
 
 def make_input(
@@ -206,6 +202,15 @@ def make_input(
     if isinstance(given, Schedules):
         return ScheduleInput(given, generator, parameters, clock, reject)
     return SensorInput(given, generator, parameters, clock, reject)
+
+
+def _check_run(message: Any, timeline: Timeline) -> None:
+    """Raise InvalidValue when the stamp of a schedule is of a run that has ended."""
+    stamp_ns = nanoseconds_from_time(message.header.stamp)
+    if stamp_ns and timeline.is_stale(stamp_ns):
+        raise InvalidValue(
+            f"stamp {stamp_ns / NANOSECONDS:g} s given, which is of a run that has ended"
+        )
 
 
 def message_type(name: str) -> type:

@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from enum import Enum
 
-from ghc_controller.ros.wire.epoch import epoch_number
 from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Place, Timeline
 
 _MOST_TICKS = 20  # [-] between two announcements that follow each other, at most
@@ -19,7 +18,6 @@ class Due(Enum):
     REPEAT = "repeat"  # the last tick once more: the same plan again
     NOTHING = "nothing"  # between two ticks
     STALE = "stale"  # older than the last tick, in the same epoch
-    MALFORMED = "malformed"  # the epoch is no number
     IMPLAUSIBLE = "implausible"  # far from the run under way, see Timeline
 
 
@@ -37,8 +35,12 @@ class TickClock:
         self._last_ns = -1
         self._repeatable = False
         self._seen_ns = -1
-        self.epoch = 0
         self.new_epoch = False
+
+    @property
+    def epoch(self) -> int:
+        """Number of the run under way."""
+        return self.timeline.epoch
 
     @property
     def tick_ns(self) -> int:
@@ -50,20 +52,16 @@ class TickClock:
         """The newest stamp seen [ns]; -1 before the first one."""
         return self._seen_ns
 
-    def judge(self, stamp_ns: int, epoch: str) -> Due:
+    def judge(self, stamp_ns: int, epoch: int) -> Due:
         """What is due at a stamp; `new_epoch` says whether everything starts again with it."""
         self.new_epoch = False
-        number = epoch_number(epoch)
-        if number is None:
-            return Due.MALFORMED
         tick_ns = stamp_ns - stamp_ns % self._step_ns
-        place = self.timeline.judge(tick_ns, number)
+        place = self.timeline.judge(tick_ns, epoch)
         if place is Place.OLDER:
             return Due.STALE
         if place is Place.ELSEWHERE:
             return Due.IMPLAUSIBLE
         if place is Place.RESTARTED:
-            self.epoch = number
             self.new_epoch = True
         if place in (Place.RESTARTED, Place.RESUMED):
             self._last_ns = self._seen_ns = -1

@@ -120,14 +120,6 @@ class LimitSchedule:
         )
         return replace(newer, times=times, lower=lower, upper=upper)
 
-    def supersedes(self, older: LimitSchedule) -> bool:
-        """Whether nothing of `older` is ever looked at, this one having come after it."""
-        return (
-            self.name == older.name
-            and self.known_from == older.known_from
-            and bool(self.times[0] <= older.times[0])
-        )
-
     def at(self, time: float) -> tuple[float, float]:
         """Lower and upper bound in force at one time [s]."""
         index = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)

@@ -7,13 +7,9 @@ from collections.abc import Callable
 from ghc_controller.errors import InvalidValue
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 
-# Schedules of a row that are known again after a reset. The first ones are the script of the
-# run; a planner that sends more than these speaks again in the next epoch, and for itself.
-MOST_KEPT = 100
-
 
 class ScheduleInbox:
-    """Holds schedules back until they are known, and keeps them for when time starts again.
+    """Holds schedules back until they are known.
 
     In lockstep nothing may depend on when a message arrives: once ticks have begun, a schedule
     has to say from when it is known, and that time must be to come.
@@ -22,8 +18,6 @@ class ScheduleInbox:
     def __init__(self, lockstep: bool) -> None:
         self._lockstep = lockstep
         self._waiting: list[LimitSchedule] = []
-        self._kept: list[LimitSchedule] = []  # in the order of receipt
-        self.not_kept = 0  # beyond the first MOST_KEPT of their row
 
     def put(self, schedule: LimitSchedule, now: float, running: bool) -> bool:
         """Take a schedule at `now` [s]; True when it is known at once.
@@ -40,7 +34,6 @@ class ScheduleInbox:
                 "on when it arrived"
             )
         self._waiting.append(schedule)
-        self._keep(schedule)
         return known is None or known <= now
 
     def due(
@@ -60,17 +53,6 @@ class ScheduleInbox:
         ready.sort(key=lambda t: -1.0 if t.known_from is None else t.known_from)
         return ready
 
-    def restart(self) -> None:
-        """Hold everything back again: time starts again.
-
-        A schedule without known_from is known from the start of the new epoch.
-        """
-        self._waiting = list(self._kept)
-
-    def _keep(self, schedule: LimitSchedule) -> None:
-        self._kept = [older for older in self._kept if not schedule.supersedes(older)]
-        name = schedule.name
-        if sum(kept.name == name for kept in self._kept) < MOST_KEPT:
-            self._kept.append(schedule)
-        else:
-            self.not_kept += 1
+    def forget(self) -> None:
+        """Another run begins."""
+        self._waiting.clear()

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.robot.robot import Robot
-from ghc_controller.tasks.frame_position import FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
+from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array, RobotState, TaskTarget
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
@@ -65,13 +65,15 @@ def recompute_history(
     robot.model.update(states[0].q, states[0].v)
     targets = _targets(robot, references, float(log.time[-1]))
     samples: dict[str, list[_Sample]] = {task.name: [] for task in robot.tasks}
+    stack = TaskStack(robot.tasks, robot.model.nv)
     gravity = np.empty((len(rows), len(order)))
     for k, state in enumerate(states):
         robot.model.update(state.q, state.v)
         gravity[k, order] = robot.model.gravity()[-len(order) :]
-        for task in robot.tasks:
-            target = targets[task.name].target(state.time)
-            samples[task.name].append(_sample(task, robot, state, target))
+        now = [targets[task.name].target(state.time) for task in robot.tasks]
+        stack.update(robot.model, state, now)
+        for i, (task, target) in enumerate(zip(robot.tasks, now, strict=True)):
+            samples[task.name].append(_sample(stack, i, robot, state, target))
     tasks = tuple(_history(task, samples[task.name]) for task in robot.tasks)
     return RunHistory(rows, log.time[rows], tasks, gravity)
 
@@ -129,18 +131,19 @@ def _targets(
     }
 
 
-def _sample(task: Task, robot: Robot, state: RobotState, target: TaskTarget) -> _Sample:
-    rows = task.rows(robot.model, state, target)
-    motion = np.ones(len(rows.error), dtype=bool)
+def _sample(
+    stack: TaskStack, index: int, robot: Robot, state: RobotState, target: TaskTarget
+) -> _Sample:
+    task, error = stack.tasks[index], stack.error_of(index)
+    if stack.force_rows[index]:
+        error = error[~task.force_row_mask]
     measured = None
-    if isinstance(task, FramePositionTask) and task.force is not None:
-        if rows.force_rows:
-            motion = ~task.force_row_mask
+    if task.force is not None:
         wrench = state.wrenches.get(task.force.contact)
         if wrench is not None:
-            measured = -wrench[[("x", "y", "z").index(axis) for axis in task.labels]]
+            measured = -wrench[["xyz".index(axis) for axis in task.labels]]
     return _Sample(
-        error=float(np.linalg.norm(rows.error[motion])),
+        error=float(np.linalg.norm(error)),
         position=task.current(robot.model).copy(),
         reference=target.position,
         desired_force=target.wrench,
@@ -161,9 +164,7 @@ def _history(task: Task, samples: Sequence[_Sample]) -> TaskHistory:
         reference=np.stack([sample.reference for sample in samples]),
         desired_force=stacked([sample.desired_force for sample in samples]),
         measured_force=stacked([sample.measured_force for sample in samples]),
-        contact=task.force.contact
-        if isinstance(task, FramePositionTask) and task.force is not None
-        else None,
+        contact=None if task.force is None else task.force.contact,
     )
 
 

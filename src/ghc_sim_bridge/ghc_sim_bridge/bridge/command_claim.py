@@ -8,8 +8,7 @@ CLAIM_TIME = 0.5  # [s] wall; so long a commander has to be silent before anothe
 class CommandClaim:
     """The first sender of a usable command is followed; others are ignored while it is heard.
 
-    Senders are told apart by the name behind the epoch in `frame_id` (see `sender_of`); those
-    without a name count as one.
+    Senders are told apart by the name in `frame_id`; those without a name count as one.
     """
 
     def __init__(self) -> None:
@@ -31,9 +30,3 @@ class CommandClaim:
         """Note a command that was not blocked; one that was `used` makes its sender commander."""
         if used or sender == self.sender:
             self.sender, self._heard_at = sender, now
-
-
-def sender_of(frame_id: str) -> tuple[str, str]:
-    """Epoch and sender of the `frame_id` of a command, "3@controller.5f2a" or "3"."""
-    epoch, _, sender = frame_id.partition("@")
-    return epoch, sender

@@ -14,7 +14,6 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateValues,
 )
 from ghc_controller.types import Array
-from ghc_sim_bridge.bridge.command_claim import sender_of
 
 
 class CommandRejected(GhcError):
@@ -30,7 +29,7 @@ class Command(NamedTuple):
 
     stamp_ns: int  # [ns] of the state that it answers
     torque: Array  # (n,) [Nm] in the bridge's joint order
-    sender: str = ""  # name behind the epoch in frame_id, "" = none
+    sender: str = ""  # name in frame_id, "" = none
 
 
 class CommandDecoder:
@@ -51,8 +50,8 @@ class CommandDecoder:
         self._checked: tuple[str, ...] | None = None  # names that `_order` was looked up for
         self._order = np.arange(len(joint_names))
 
-    def decode(self, data: bytes, epoch: int) -> Command:
-        """Command of the serialized JointState `data`, answering a state of `epoch`.
+    def decode(self, data: bytes) -> Command:
+        """Command of the serialized JointState `data`.
 
         Raises:
             CommandRejected: a field is unknown, missing, of the wrong size or not finite.
@@ -63,15 +62,12 @@ class CommandDecoder:
             raise CommandRejected("message", str(error)) from error
         if values.name is not self._checked:
             self._look_up(values)
-        given, sender = sender_of(values.frame_id)
-        if given and given != str(epoch):
-            raise CommandRejected("header.frame_id", f"epoch '{given}' given, '{epoch}' expected")
         effort: Array = values.effort[self._order]
         if not np.isfinite(effort).all():
             pairs = zip(self._joint_names, effort, strict=True)
             bad = [f"{name} is {value}" for name, value in pairs if not np.isfinite(value)]
             raise CommandRejected("effort", ", ".join(bad))
-        return Command(values.stamp_ns, effort, sender)
+        return Command(values.stamp_ns, effort, values.frame_id)
 
     def _look_up(self, values: JointStateValues) -> None:
         self._check_names(values.name)

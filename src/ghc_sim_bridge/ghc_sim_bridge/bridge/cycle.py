@@ -39,6 +39,7 @@ class ControlCycle:
         self._log = log
         # Stamps are whole nanoseconds: as multiples of this they never drift.
         self.period_ns = round(simulator.control_dt * NANOSECONDS)
+        self.start_ns = 0  # [ns] stamp of the first state of this run
         self._standing = StandingHold()
         self._no_command = np.full(len(simulator.joint_names), np.nan)
         self._observe()
@@ -46,7 +47,8 @@ class ControlCycle:
 
     def _observe(self) -> None:
         self.state: RobotState = self.simulator.state()
-        self.time_ns = self.simulator.tick * self.period_ns  # [ns] since the last reset
+        self.run_ns = self.simulator.tick * self.period_ns  # [ns] since the start of the run
+        self.time_ns = self.start_ns + self.run_ns  # [ns] never goes back
         q, v = self.joint_state
         # Once a state: a state that is repeated on the wire is the same.
         self.measured: tuple[Array, Array] = (q, self.simulator.measured_velocity(v))
@@ -65,11 +67,17 @@ class ControlCycle:
 
     @property
     def epoch(self) -> int:
-        """Count of resets: tells everybody that time went back."""
+        """Count of resets: number of the run."""
         return self.state.epoch
 
     def reset(self) -> None:
-        """Back to the start state, in the next epoch."""
+        """Back to the start state, in the next epoch.
+
+        Time goes on: the run begins at a whole second, so that what happens at multiples of a
+        period happens at the same times of every run, and later than a stamp may be ahead of the
+        one before (`Timeline`), so that nobody takes its states for those of the run before.
+        """
+        self.start_ns = (self.time_ns // NANOSECONDS + 2) * NANOSECONDS
         self.simulator.reset()
         self._standing.release()
         self._observe()

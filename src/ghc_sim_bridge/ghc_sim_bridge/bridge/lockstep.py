@@ -78,6 +78,8 @@ class Lockstep:
 class LockstepMode:
     """Same inputs, same trajectory, on any machine and as fast as it can."""
 
+    waits = True
+
     def __init__(
         self,
         cycle: ControlCycle,
@@ -99,7 +101,7 @@ class LockstepMode:
 
     @property
     def _waiting(self) -> bool:
-        return not self.paused and self._cycle.time_ns < self._stop_ns
+        return not self.paused and self._cycle.run_ns < self._stop_ns
 
     def command(self, stamp_ns: int, torque: Array) -> str:
         """Simulate the period and publish the next state, if this answers the awaited one."""

@@ -36,7 +36,6 @@ class StatePublisher:
     ) -> None:
         """Where the serialized messages go; `contacts` by contact name, empty for none, and
         `odometry` of a robot whose base floats."""
-        self.has_clock = True  # False while another bridge publishes it
         self._observe = observe
         self._joint_states = joint_states
         self._clock = clock
@@ -45,15 +44,12 @@ class StatePublisher:
         self._wrench = WrenchEncoder(WORLD_FRAME)
         self._encoder: JointStateEncoder | None = None
         self._base: OdometryEncoder | None = None
-        self._epoch = -1
 
     def publish(self, cycle: ControlCycle) -> None:
         """Send the current state of `cycle`."""
-        if self._encoder is None or self._epoch != cycle.epoch:
-            epoch, simulator = str(cycle.epoch), cycle.simulator
-            self._encoder = JointStateEncoder(simulator.joint_names, epoch)
-            self._base = OdometryEncoder(epoch, simulator.base_frame)
-            self._epoch = cycle.epoch
+        if self._encoder is None:
+            self._encoder = JointStateEncoder(cycle.simulator.joint_names, "")
+            self._base = OdometryEncoder(WORLD_FRAME, cycle.simulator.base_frame)
         stamp, state, base = cycle.time_ns, cycle.state, cycle.base
         for name, send in self._contacts.items():
             send(self._wrench.encode(stamp, state.wrenches[name]))
@@ -63,5 +59,4 @@ class StatePublisher:
             self._odometry(self._base.encode(stamp, base.pose, base.velocity))
         q, v = cycle.measured
         self._joint_states(self._encoder.encode(stamp, cycle.simulator.torque, q, v))
-        if self.has_clock:
-            self._clock(encode_clock(stamp))
+        self._clock(encode_clock(stamp))

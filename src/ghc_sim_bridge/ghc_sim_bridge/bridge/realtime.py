@@ -85,6 +85,8 @@ class Watchdog:
 class RealtimeMode:
     """Periods by the wall clock; the last command stays in force while it is fresh."""
 
+    waits = False
+
     def __init__(
         self,
         cycle: ControlCycle,
@@ -120,7 +122,7 @@ class RealtimeMode:
     def tick(self) -> None:
         """Simulate the periods that the wall clock asks for."""
         now = time.monotonic()
-        if self.paused or self._cycle.time_ns >= self._stop_ns:
+        if self.paused or self._cycle.run_ns >= self._stop_ns:
             self._pacer.restart(now)
             if now - self._sent_at >= REPEAT_PERIOD:
                 self._send(now)
@@ -131,7 +133,7 @@ class RealtimeMode:
             self._send(now)
             if not holding:
                 self._applied(gated)
-            if self._cycle.time_ns >= self._stop_ns:
+            if self._cycle.run_ns >= self._stop_ns:
                 break
 
     def _send(self, now: float) -> None:

@@ -16,6 +16,7 @@ class RunMode(Protocol):
 
     paused: bool
     tick_period: float  # [s] wall
+    waits: bool  # whether time stands still until a command is used
 
     def command(self, stamp_ns: int, torque: Array) -> str:
         """Use a checked command (n,) [Nm] that answers the state of `stamp_ns` [ns].

@@ -1,4 +1,4 @@
-"""A run as moving pictures: the arm with its targets beside task errors and joint torques."""
+"""A run as moving pictures: the robot with its targets, beside task errors and joint torques."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.task_errors import TaskHistory
-from ghc_sim_bridge.figures.style import COLOURS, mark_phases, new_figure, styled
+from ghc_sim_bridge.colors import color, dashes, rgba
+from ghc_sim_bridge.figures.style import mark_phases, new_figure, styled
 from ghc_sim_bridge.scene.values import Camera, SceneDescription
 from ghc_sim_bridge.simulation.rendering import Marker, Picture, Renderer
 
@@ -27,23 +27,28 @@ PALETTE = 96  # colours of the file
 _DPI = 100
 _LEAST_ERROR = 1e-6  # [m] or [rad] lower end of the axis
 _GREY = "#404040"
-# Of the tasks: none that an orange arm would hide.
-_INKS = [COLOURS[k] for k in (0, 2, 3, 5, 6, 7)]
 
 
-def frames(analysis: Analysis, scene: SceneDescription, step: float) -> Iterator[Picture]:
-    """One picture every `step` [s] of simulated time; raises RenderingUnavailable."""
-    plots, left, right = _plots(analysis)
-    camera = _closer(scene.camera)
+def frames(
+    analysis: Analysis, scene: SceneDescription, step: float, *, plots: bool = True
+) -> Iterator[Picture]:
+    """One picture every `step` [s] of simulated time; raises RenderingUnavailable.
+
+    Args:
+        plots: errors and torques beside the robot; False = the robot alone.
+    """
+    beside = _Plots(analysis) if plots else None
+    camera = _closer(scene.camera) if plots else scene.camera
     log, end = analysis.log, analysis.plan.duration
     with Renderer(scene, ARM_SIZE, log.joint_names) as renderer:
         for time in np.arange(0.0, end, step):
             row = min(int(np.searchsorted(log.time, time)), len(log.time) - 1)
-            arm = renderer.draw(log.configuration(row), _targets(analysis, time), camera)
-            here = round(left + (right - left) * time / end)
-            beside = plots.copy()
-            beside[:, here] = (90, 90, 90)
-            yield np.vstack([_caption(analysis, time), np.hstack([arm, beside])])
+            picture = renderer.draw(log.configuration(row), _targets(analysis, time), camera)
+            if beside is None:
+                yield picture
+            else:
+                both = np.hstack([picture, beside.at(time / end)])
+                yield np.vstack([_caption(analysis, time), both])
 
 
 def save_gif(pictures: Sequence[Picture], file: Path, period: float) -> None:
@@ -78,7 +83,7 @@ def _targets(analysis: Analysis, time: float) -> list[Marker]:
     for index, task in enumerate(history.tasks):
         if task.unit == "m" and task.reference.shape[1] == 3:
             x, y, z = task.reference[row]
-            markers.append(Marker((x, y, z), 0.03, to_rgba(_ink(index))))
+            markers.append(Marker((x, y, z), 0.03, rgba(color(index))))
     return markers
 
 
@@ -93,7 +98,7 @@ def _caption(analysis: Analysis, time: float) -> Picture:
     draw.text((x, y), f"t = {time:.1f} s", fill=_GREY, font=font)
     x += draw.textlength("t = 00.0 s    ", font=font)
     for word in planned.phase.hierarchy.split():
-        ink = _ink(tasks.index(word)) if word in tasks else _GREY
+        ink = color(tasks.index(word)) if word in tasks else _GREY
         draw.text((x, y), word, fill=ink, font=font)
         x += draw.textlength(word + "  ", font=font)
     if time < planned.start + planned.ramp:
@@ -101,8 +106,17 @@ def _caption(analysis: Analysis, time: float) -> Picture:
     return np.asarray(image)
 
 
-def _ink(index: int) -> str:
-    return _INKS[index % len(_INKS)]
+class _Plots:
+    """Errors above torques, with a line at the present time."""
+
+    def __init__(self, analysis: Analysis) -> None:
+        self._picture, self._left, self._right = _plots(analysis)
+
+    def at(self, share: float) -> Picture:
+        """The plots with the line at a share of the run's duration."""
+        picture = self._picture.copy()
+        picture[:, round(self._left + (self._right - self._left) * share)] = (90, 90, 90)
+        return picture
 
 
 def _plots(analysis: Analysis) -> tuple[Picture, int, int]:
@@ -114,9 +128,19 @@ def _plots(analysis: Analysis) -> tuple[Picture, int, int]:
             _draw_error(errors, analysis, index, task)
         errors.set_yscale("log")
         errors.set_ylim(_LEAST_ERROR, 10.0)
-        errors.legend(loc="lower left", ncols=3, fontsize=7, columnspacing=0.8, handlelength=1.0)
+        errors.legend(  # above the axes: no curve runs there
+            loc="lower center",
+            bbox_to_anchor=(0.5, 0.97),
+            ncols=3,
+            fontsize=7,
+            columnspacing=0.8,
+            handlelength=1.0,
+        )
         step = max(1, round(0.01 / analysis.log.control_dt))
-        torques.plot(analysis.log.time[::step], analysis.log.torque[::step], lw=1.0)
+        log = analysis.log
+        for joint, torque in enumerate(log.torque[::step].T):
+            style = {"color": color(joint), "linestyle": dashes(joint)}
+            torques.plot(log.time[::step], torque, lw=1.0, **style)
         torques.set_ylabel("joint torques [Nm]")
         torques.set_xlabel("simulated time [s]")
         for axes in (errors, torques):
@@ -126,7 +150,7 @@ def _plots(analysis: Analysis) -> tuple[Picture, int, int]:
 
 def _draw_error(axes: Axes, analysis: Analysis, index: int, task: TaskHistory) -> None:
     error = np.maximum(task.error, _LEAST_ERROR)
-    axes.plot(analysis.history.time, error, color=_ink(index), label=task.name)
+    axes.plot(analysis.history.time, error, color=color(index), label=task.name)
     axes.set_ylabel("task errors [m], [rad]")
 
 

@@ -1,4 +1,4 @@
-"""Figures that hold several runs against each other: jerk (figure 5), rates, figure 11."""
+"""Figures that compare several runs: jerk (figure 5), torque rates, torques, figure 11."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 Summary = Mapping[str, Any]
 
 _SMALLEST_JERK = 10.0  # [rad/s^2] lower end of the logarithmic axis
+_AROUND = (-0.5, 3.0)  # [s] of a switch
 
 
 def jerk_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]]) -> Figure:
@@ -64,6 +65,27 @@ def rate_comparison(summaries: Mapping[str, Summary]) -> Figure:
             f"largest torque rate [Nm/s]\nat a period of {1e3 * summary['control_dt_s']:g} ms"
         )
         figure.legend(loc="outside right upper")
+        return figure
+
+
+def torque_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]], phase: int = 1) -> Figure:
+    """Applied joint torques around the switch to a phase, one panel a run on the same axes."""
+    with styled():
+        figure = new_figure(9.0, 3.0)
+        panels = np.atleast_1d(figure.subplots(1, len(runs), sharex=True, sharey=True))
+        for ax, (name, (summary, log)) in zip(panels, runs.items(), strict=True):
+            time = log.time - summary["phases"][phase]["t_start"]
+            shown = (time >= _AROUND[0]) & (time <= _AROUND[1])
+            for joint, torque in enumerate(log.torque[shown].T):
+                ax.plot(time[shown], torque, color=colour(joint), label=log.joint_names[joint])
+            rate = summary["peak_torque_rate_nm_per_s"]["per_phase"][phase]
+            period = 1e3 * summary["control_dt_s"]
+            ax.set_title(f"{name}: {rate:.0f} Nm/s at {period:g} ms")
+            ax.set_xlabel("time since the switch [s]")
+            ax.set_xlim(*_AROUND)
+        panels[0].set_ylabel("joint torque [Nm]")
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside right center")
         return figure
 
 

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from ghc_sim_bridge.analysis.generator_analysis import GeneratorAnalysis
 from ghc_sim_bridge.analysis.metrics import torque_jumps
 from ghc_sim_bridge.analysis.task_errors import TaskHistory
+from ghc_sim_bridge.colors import BOUND, MEASURED, SHOWN
 from ghc_sim_bridge.figures.style import MOVES, colour, envelope, new_figure, styled
 from ghc_sim_bridge.logs.constraint_series import FORCE, LOWER, UPPER
 
@@ -54,10 +55,10 @@ def _draw_force(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
     if name not in run.forces:
         return
     time, values = run.series.time, run.series.contacts[name]
-    ax.plot(run.analysis.log.time, run.forces[name], color=colour(5), lw=0.8, label="simulated")
-    ax.plot(time, values[:, FORCE], color=colour(0), lw=1.4, label="asked by the QP")
-    ax.plot(time, values[:, UPPER], color=colour(1), ls="--", lw=1.0, label="bounds in force")
-    ax.plot(time, values[:, LOWER], color=colour(1), ls="--", lw=1.0)
+    ax.plot(run.analysis.log.time, run.forces[name], color=MEASURED, lw=0.8, label="simulated")
+    ax.plot(time, values[:, FORCE], color=SHOWN, lw=1.4, label="asked by the QP")
+    ax.plot(time, values[:, UPPER], color=BOUND, ls="--", lw=1.0, label="bounds in force")
+    ax.plot(time, values[:, LOWER], color=BOUND, ls="--", lw=1.0)
     largest = float(np.nanmax(values[:, FORCE], initial=1.0))
     ax.set_ylim(-0.08 * largest, 1.5 * largest)
     ax.set_ylabel(f"normal force of\ncontact {name} [N]")
@@ -67,8 +68,8 @@ def _draw_distance(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
     if name not in run.distances:
         return
     history = run.distances[name]
-    ax.plot(history.time, history.actual, color=colour(5), lw=1.0, label="to the obstacle itself")
-    ax.plot(history.time, history.virtual, color=colour(0), label="to that of the controller")
+    ax.plot(history.time, history.actual, color=MEASURED, lw=1.0, label="to the obstacle itself")
+    ax.plot(history.time, history.virtual, color=SHOWN, label="to that of the controller")
     ax.plot(history.time, history.safe_distance, color="#000000", ls="--", lw=1.0, label="safe")
     safe = float(history.safe_distance.max(initial=0.0))
     ax.set_ylim(0.5 * safe, 2.2 * safe)
@@ -111,14 +112,14 @@ def _draw_rates(ax: Axes, run: GeneratorAnalysis, _name: str) -> None:
     block = max(1, round(0.01 / log.control_dt))
     ax.semilogy(*envelope(log.time, rates, block), color="#000000", lw=0.8)
     for (start, end), peak in zip(run.windows, run.peaks, strict=True):
-        ax.plot([start, end], [peak, peak], color=colour(1), lw=1.4)
+        ax.plot([start, end], [peak, peak], color=BOUND, lw=1.4)
         ax.annotate(
             f"{peak:.3g}",
             (0.5 * (start + end), peak),
             (0, 3),
             textcoords="offset points",
             ha="center",
-            color=colour(1),
+            color=BOUND,
             fontsize=8,
         )
     ax.set_ylabel("largest torque rate\nof a joint [Nm/s]")

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from ghc_controller.types import Array
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.metrics import jerk_steps, torque_jumps
+from ghc_sim_bridge.colors import BOUND, dashes
 from ghc_sim_bridge.figures.style import (
     colour,
     envelope,
@@ -18,66 +23,108 @@ from ghc_sim_bridge.figures.style import (
     run_title,
 )
 
-_NAMED_JOINTS = 7  # in the legend of a figure
-
-
-def _fastest(speeds: Array) -> set[int]:
-    """The joints that a legend has room for: those with the largest peak speeds (T, n)."""
-    order = np.argsort(-np.abs(speeds).max(axis=0), kind="stable")
-    return {int(index) for index in order[:_NAMED_JOINTS]}
+_LEGEND_WIDTH = 110  # letters in a row of a legend
+_ROW = 0.17  # [inch] height of a row of a legend
+_PANEL = 2.2  # [inch] height of a panel
 
 
 def joints_figure(analysis: Analysis) -> Figure:
-    """Velocities and torques with their bounds, and the torque rate (figure 8)."""
+    """Velocities and torques with their bounds, and the torque rate (figure 8).
+
+    Joints that slide have panels of their own, in m/s and N.
+    """
     log, limits, history = analysis.log, analysis.limits, analysis.history
-    figure = new_figure(9.0, 7.2)
-    velocity, torque, rate = figure.subplots(3, 1, sharex=True)
-    named = _fastest(log.v)
-    for index, name in enumerate(log.joint_names):
-        velocity.plot(
-            history.time,
-            log.v[history.rows, index],
-            color=colour(index),
-            label=name if index in named else None,
-        )
-    _draw_bounds(velocity, log.v, limits.velocity)
-    velocity.set_ylabel("joint velocity [rad/s]")
-    velocity.legend(
-        ncols=len(named),
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
-        columnspacing=1.0,
-        handlelength=1.2,
-    )
-    shown, bound = log.torque[history.rows], limits.torque
-    label = "joint torque [Nm]"
+    turning, sliding = joints_by_kind(analysis)
+    kinds = [
+        (joints, units) for joints, units in ((turning, _TURNING), (sliding, _SLIDING)) if joints
+    ]
+    columns = _legend_columns(log.joint_names)
+    rows = -(-len(log.joint_names) // columns)
+    count = 2 * len(kinds) + 1
+    figure = new_figure(9.0, _PANEL * count + 0.6 + _ROW * rows)
+    axes = list(figure.subplots(count, 1, sharex=True))
+    shown, bound, of = log.torque[history.rows], limits.torque, "joint"
     if limits.torque_bound is not None:
         bound = limits.torque_bound
         if limits.bound_around_gravity:
-            shown, label = shown - history.gravity, "torque - gravity [Nm]"
-    for index in range(shown.shape[1]):
-        torque.plot(history.time, shown[:, index], color=colour(index))
-    _draw_bounds(torque, shown, bound)
-    torque.set_ylabel(label)
+            shown, of = shown - history.gravity, "(minus gravity) joint"
+    for ax, (joints, units) in zip(axes, kinds, strict=False):
+        _draw_joints(ax, history.time, log.v[history.rows], joints)
+        _draw_bounds(ax, log.v[:, joints], limits.velocity[joints])
+        ax.set_ylabel(f"joint velocity [{units.velocity}]")
+    for ax, (joints, units) in zip(axes[len(kinds) :], kinds, strict=False):
+        _draw_joints(ax, history.time, shown, joints)
+        _draw_bounds(ax, shown[:, joints], bound[joints])
+        ax.set_ylabel(f"{of} {units.effort_name} [{units.effort}]")
+    _draw_rate(axes[-1], analysis, " or ".join(f"{units.effort}/s" for _, units in kinds))
+    axes[-1].set_xlabel("time [s]")
+    for ax in axes:
+        mark_phases(ax, analysis.plan.phases)
+    figure.legend(
+        [_line(index) for index in range(len(log.joint_names))],
+        log.joint_names,
+        loc="outside lower center",
+        ncols=columns,
+        columnspacing=1.0,
+        handlelength=2.2,
+    )
+    figure.suptitle(run_title(analysis), fontsize=10)
+    return figure
+
+
+class _Units(NamedTuple):
+    velocity: str
+    effort: str
+    effort_name: str
+
+
+_TURNING, _SLIDING = _Units("rad/s", "Nm", "torque"), _Units("m/s", "N", "force")
+
+
+def joints_by_kind(analysis: Analysis) -> tuple[list[int], list[int]]:
+    """Places in the log of joints that turn, and of those that slide."""
+    model = analysis.robot.model
+    turns = np.abs(model.angular_axes()[:, model.nv - model.na :]).max(axis=0) > 0.0
+    of_log = [bool(turns[model.joint_index(name)]) for name in analysis.log.joint_names]
+    return (
+        [place for place, turns_ in enumerate(of_log) if turns_],
+        [place for place, turns_ in enumerate(of_log) if not turns_],
+    )
+
+
+def _legend_columns(names: Sequence[str]) -> int:
+    """As many columns as have room side by side."""
+    return max(1, min(len(names), _LEGEND_WIDTH // (max(map(len, names)) + 6)))
+
+
+def _line(index: int) -> Line2D:
+    """Sample of a joint's curve."""
+    return Line2D([], [], color=colour(index), linestyle=dashes(index))
+
+
+def _draw_joints(ax: Axes, time: Array, values: Array, joints: Sequence[int]) -> None:
+    """Curves of some joints, each in its color; `values` (S, n)."""
+    for joint in joints:
+        ax.plot(time, values[:, joint], color=colour(joint), linestyle=dashes(joint))
+
+
+def _draw_rate(ax: Axes, analysis: Analysis, unit: str) -> None:
+    """The largest torque rate of all joints, and its limit."""
+    log, limit = analysis.log, analysis.limits.torque_rate
     block = max(1, round(0.01 / log.control_dt))
     rates = torque_jumps(log.torque) / log.control_dt
-    rate.semilogy(*envelope(log.time, np.maximum(rates, 1e-2), block), color="#000000", lw=0.8)
-    if limits.torque_rate > 0.0:
-        rate.axhline(limits.torque_rate, color="#D55E00", ls="--", lw=1.0)
-        rate.annotate(
+    ax.semilogy(*envelope(log.time, np.maximum(rates, 1e-2), block), color="#000000", lw=0.8)
+    if limit > 0.0:
+        ax.axhline(limit, color=BOUND, ls="--", lw=1.0)
+        ax.annotate(
             "rate limit",
-            (0.0, limits.torque_rate),
+            (0.0, limit),
             (4, 3),
-            color="#D55E00",
+            color=BOUND,
             textcoords="offset points",
             fontsize=8,
         )
-    rate.set_ylabel(f"largest torque rate [Nm/s]\nat a period of {1e3 * log.control_dt:g} ms")
-    rate.set_xlabel("time [s]")
-    for ax in (velocity, torque, rate):
-        mark_phases(ax, analysis.plan.phases)
-    figure.suptitle(run_title(analysis), fontsize=10)
-    return figure
+    ax.set_ylabel(f"largest torque rate\n[{unit}] at {1e3 * log.control_dt:g} ms")
 
 
 def jerk_figure(analysis: Analysis) -> Figure:

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from ghc_sim_bridge.analysis.analysis import Analysis
+from ghc_sim_bridge.colors import PALETTE, color
 from ghc_sim_bridge.scenario.plan import PlannedPhase
 
-# Okabe and Ito: distinct for every kind of colour vision.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
+COLOURS = PALETTE
 _BAND = "#DDDDDD"
 _STYLE: Mapping[str, object] = {
     "font.size": 9.0,
@@ -50,7 +50,7 @@ def styled() -> AbstractContextManager[None]:
 
 def colour(index: int) -> str:
     """Colour of the task or joint at an index."""
-    return COLOURS[index % len(COLOURS)]
+    return color(index)
 
 
 def short_hierarchy(hierarchy: str, tasks: Sequence[str]) -> str:

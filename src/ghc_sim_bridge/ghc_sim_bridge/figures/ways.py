@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ghc_sim_bridge.analysis.generator_analysis import GeneratorAnalysis
+from ghc_sim_bridge.colors import BOUND, MEASURED, SHOWN
 from ghc_sim_bridge.figures.style import colour, new_figure, styled
 from ghc_sim_bridge.logs.constraint_series import FORCE, UPPER
 
@@ -63,9 +64,9 @@ def _draw_force(ax: Axes, run: GeneratorAnalysis) -> None:
     if name is None or name not in run.forces:
         return
     time, values = run.series.time, run.series.contacts[name]
-    ax.plot(run.analysis.log.time, run.forces[name], color=colour(5), lw=0.8, label="simulated")
-    ax.plot(time, values[:, FORCE], color=colour(0), lw=1.4, label="asked by the QP")
-    ax.plot(time, values[:, UPPER], color=colour(1), ls="--", lw=1.0, label="upper bound")
+    ax.plot(run.analysis.log.time, run.forces[name], color=MEASURED, lw=0.8, label="simulated")
+    ax.plot(time, values[:, FORCE], color=SHOWN, lw=1.4, label="asked by the QP")
+    ax.plot(time, values[:, UPPER], color=BOUND, ls="--", lw=1.0, label="upper bound")
 
 
 def _draw_torques(ax: Axes, run: GeneratorAnalysis, joints: Sequence[str]) -> None:
@@ -92,6 +93,6 @@ def _draw_rates(
                 (6, 0),
                 textcoords="offset points",
                 va="center",
-                color=colour(1),
+                color=BOUND,
                 fontsize=8,
             )

@@ -77,11 +77,10 @@ class ConstraintTrace:
         """Add one ControllerState at `time` [s], later than the ones before."""
         row = len(self._time)
         self._time.append(time)
-        asked = state.contact_forces or [np.nan] * len(state.bounded_contacts)
-        for name, *values in zip(
-            state.bounded_contacts, state.contact_lower, state.contact_upper, asked, strict=True
-        ):
-            self._contacts.setdefault(name, {})[row] = values
+        for contact in state.contacts:
+            if contact.planned:
+                values = [contact.lower, contact.upper, contact.force]
+                self._contacts.setdefault(contact.name, {})[row] = values
         for entry in state.obstacles:
             self._frames[entry.id] = entry.protected_frame
             self._obstacles.setdefault(entry.id, {})[row] = [

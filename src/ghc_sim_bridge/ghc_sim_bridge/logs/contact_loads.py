@@ -46,10 +46,10 @@ class LoadTrace:
     def append(self, time: float, state: Any) -> None:
         """Add one ControllerState at `time` [s]."""
         self._reports += 1
-        for name, normal, use in zip(
-            state.contacts, state.normal_forces, state.friction_use, strict=True
-        ):
-            self._loads.setdefault(name, []).append((time, normal, use))
+        for contact in state.contacts:
+            if contact.on:
+                load = (time, contact.force, contact.friction_use)
+                self._loads.setdefault(contact.name, []).append(load)
 
     def figures(
         self, log: FullRateLog, surfaces: Mapping[str, ContactSurface]

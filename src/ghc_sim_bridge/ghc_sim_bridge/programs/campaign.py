@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_controller.errors import ConfigurationError, GhcError
-from ghc_sim_bridge.analysis.campaign_verdict import RunVerdict, campaign_table, judge, tally
+from ghc_sim_bridge.analysis.campaign_status import RunStatus, campaign_table, judge, tally
 from ghc_sim_bridge.analysis.summary import rounded, write_json
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.run.interrupts import interruptible
@@ -51,7 +51,7 @@ def _run(options: argparse.Namespace) -> int:
     except GhcError as error:
         print(f"campaign: {error}", file=sys.stderr)
         return 2
-    found: list[RunVerdict] = []
+    found: list[RunStatus] = []
     complete = True
     for scenario in options.scenarios:
         try:
@@ -79,17 +79,17 @@ def _nominal_height(scenario: str, output: Path) -> float:
     return float(log.base_pose[-1, 2])
 
 
-def _one(scenario: str, generators: bool, seed: int, nominal: float, output: Path) -> RunVerdict:
+def _one(scenario: str, generators: bool, seed: int, nominal: float, output: Path) -> RunStatus:
     plan = disturbed_plan(scenario, generators, seed, output)
-    verdict = RunVerdict(scenario, generators, seed)
+    status = RunStatus(scenario, generators, seed)
     try:
         log, problem = _log_of(plan)
     except GhcError as error:
-        return replace(verdict, problem=" ".join(str(error).split())[:300])
-    verdict = judge(replace(verdict, problem=problem), log, nominal)
-    if verdict.stays_up and not problem:  # whoever falls can be looked at
+        return replace(status, problem=" ".join(str(error).split())[:300])
+    status = judge(replace(status, problem=problem), log, nominal)
+    if status.stays_up and not problem:  # whoever falls can be looked at
         shutil.rmtree(plan.folder)
-    return verdict
+    return status
 
 
 def _log_of(plan: RunPlan) -> tuple[FullRateLog, str]:
@@ -102,21 +102,21 @@ def _log_of(plan: RunPlan) -> tuple[FullRateLog, str]:
     return FullRateLog.load(outcome.log), ", ".join(wrong)
 
 
-def _line(verdict: RunVerdict) -> str:
-    side = "on" if verdict.generators else "off"
-    ending = " ".join(("stays up" if verdict.stays_up else "falls", verdict.problem)).rstrip()
+def _line(status: RunStatus) -> str:
+    side = "on" if status.generators else "off"
+    ending = " ".join(("stays up" if status.stays_up else "falls", status.problem)).rstrip()
     return (
-        f"{verdict.scenario}, generators {side}, seed {verdict.seed}: {ending} "
-        f"(height {verdict.height:.3f} m, tilt {verdict.tilt:.3f} rad, "
-        f"largest torque rate {verdict.peak_torque_rate:.0f} Nm/s)"
+        f"{status.scenario}, generators {side}, seed {status.seed}: {ending} "
+        f"(height {status.height:.3f} m, tilt {status.tilt:.3f} rad, "
+        f"largest torque rate {status.peak_torque_rate:.0f} Nm/s)"
     )
 
 
-def _write(output: Path, found: Sequence[RunVerdict]) -> None:
+def _write(output: Path, found: Sequence[RunStatus]) -> None:
     output.mkdir(parents=True, exist_ok=True)
     data: dict[str, Any] = {
         "totals": [asdict(total) for total in tally(found)],
-        "runs": [asdict(verdict) for verdict in found],
+        "runs": [asdict(status) for status in found],
     }
     write_json(output / "campaign.json", rounded(data))
 

@@ -6,14 +6,13 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 
 from ghc_controller.errors import GhcError
 from ghc_controller.robot.library import load_robot
 from ghc_controller.robot.robot import Robot
-from ghc_controller.robot.urdf import resource_path
+from ghc_controller.robot.urdf_text import parse_urdf, resource_path
 from ghc_sim_bridge.programs.markdown import number, table
 from ghc_sim_bridge.scene.description import SceneDescription, load_scene
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -105,7 +104,7 @@ def find_faults(robot: Robot, scene: SceneDescription | None) -> Iterator[str]:
 
 
 def _missing_meshes(urdf: Path) -> Iterator[str]:
-    for mesh in ElementTree.parse(urdf).getroot().iter("mesh"):
+    for mesh in parse_urdf(urdf).iter("mesh"):
         name = mesh.get("filename", "")
         if not resource_path(name, urdf).is_file():
             yield f"{urdf}: mesh '{name}' does not exist; pictures leave that shape out"

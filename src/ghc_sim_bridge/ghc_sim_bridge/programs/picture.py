@@ -19,13 +19,19 @@ from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
 from ghc_sim_bridge.scene.description import load_scene
 
+_SIDES = {None: None, "on": True, "off": False}
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; 0 = written, 2 = wrong arguments or files, or no off-screen OpenGL."""
     options = _parser().parse_args(arguments)
     try:
         scenario = load_scenario(options.scenario, options.variant)
-        run = RunOptions(formulation=options.formulation, transition=options.transition)
+        run = RunOptions(
+            formulation=options.formulation,
+            transition=options.transition,
+            generators=_SIDES[options.generators],
+        )
         plan = make_plan(scenario, run, options.results)
         changed = plan.folder / "robot.yaml"
         robot = changed if changed.is_file() else find_robot(scenario.robot)
@@ -36,7 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             times = np.linspace(0.0, plan.duration, count).tolist()
             write_filmstrip(options.to, analysis.log, scene, times)
         else:
-            pictures = list(frames(analysis, scene, options.speed * options.period))
+            step = options.speed * options.period
+            pictures = list(frames(analysis, scene, step, plots=not options.robot_only))
             save_gif(pictures, options.to, options.period)
             count = len(pictures)
     except (GhcError, OSError) as error:
@@ -49,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="picture", description="Animate a finished run: the arm, its targets, the plots."
+        prog="picture", description="Animate a finished run: the robot, its targets, the plots."
     )
     parser.add_argument("--scenario", required=True, metavar="NAME")
     parser.add_argument("--variant", default="", metavar="NAME")
@@ -77,6 +84,12 @@ def _parser() -> argparse.ArgumentParser:
         default=0.1,
         metavar="SECONDS",
         help="between two pictures (default: 0.1)",
+    )
+    parser.add_argument(
+        "--generators", choices=("on", "off"), help="which side of a scenario that has generators"
+    )
+    parser.add_argument(
+        "--robot-only", action="store_true", help="an animation without caption and plots"
     )
     return parser
 

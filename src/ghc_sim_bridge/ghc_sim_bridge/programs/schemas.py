@@ -20,17 +20,13 @@ from typing import Any
 from ghc_controller.robot.fields import RobotFields
 from ghc_controller.schema.json_schema import JsonSchema, SchemaWriter
 from ghc_controller.settings import Settings
-from ghc_sim_bridge.ros.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.node_sections import CHECKED
-from ghc_sim_bridge.scene.values import SceneDescription
+from ghc_sim_bridge.scene.values import SceneFields
 
 FOLDER = "schemas"
 NODES: Mapping[str, type] = {
     **CHECKED,
-    "sim_bridge": BridgeParameters,
-    "recorder": RecorderParameters,
-    "viewer": ViewerParameters,
     "settings": Settings,
 }
 
@@ -39,7 +35,7 @@ def schemas() -> dict[str, JsonSchema]:
     """File name -> schema."""
     return {
         "robot.schema.json": SchemaWriter(NODES).document(RobotFields, "robot.yaml"),
-        "scene.schema.json": SchemaWriter(NODES).document(SceneDescription, "A scene"),
+        "scene.schema.json": SchemaWriter(NODES).document(SceneFields, "A scene"),
         "scenario.schema.json": SchemaWriter(NODES).document(
             Scenario, "A scenario", _with_variants
         ),
@@ -78,7 +74,8 @@ def write(folder: Path) -> tuple[Path, ...]:
     paths = []
     for name, schema in schemas().items():
         path = folder / name
-        path.write_text(json.dumps(schema, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        text = json.dumps(schema, indent=1, ensure_ascii=False, allow_nan=False)
+        path.write_text(text + "\n", encoding="utf-8")
         paths.append(path)
     return tuple(paths)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import yaml
 from mcap.exceptions import InvalidMagic, McapError
 from mcap.records import Channel, Message, Schema
 from mcap.stream_reader import StreamReader
@@ -14,6 +15,8 @@ from mcap_ros2.decoder import DecoderFactory
 from zstandard import ZstdError
 
 from ghc_controller.errors import ConfigurationError
+from ghc_sim_bridge.recorder.bag_metadata import BagTopic
+from ghc_sim_bridge.recorder.bag_recording import HASH_KEY, QOS_KEY
 
 _MAGIC_SIZE = 8  # [bytes]
 # What a reader of cut or overwritten records may meet: failed checksums are ValueErrors, and
@@ -55,6 +58,36 @@ def intact_records(file: Path) -> Iterator[Any]:
                 return
     except OSError as error:
         raise ConfigurationError(f"recording '{file}': {error}") from error
+
+
+def raw_messages(path: Path) -> Iterator[tuple[BagTopic, Message | None]]:
+    """Topic and message, as bytes with its times [ns], of a bag folder or an MCAP file.
+
+    A topic comes without a message where the file announces it. Raises as `read_messages`.
+    """
+    for file in storage_files(path):
+        schemas: dict[int, Schema] = {}
+        topics: dict[int, BagTopic] = {}
+        for record in intact_records(file):
+            if isinstance(record, Schema):
+                schemas[record.id] = record
+            elif isinstance(record, Channel):
+                if record.id not in topics:
+                    topics[record.id] = topic = _topic(record, schemas[record.schema_id])
+                    yield topic, None
+            elif isinstance(record, Message):
+                yield topics[record.channel_id], record
+
+
+def _topic(channel: Channel, schema: Schema) -> BagTopic:
+    offered = yaml.safe_load(channel.metadata.get(QOS_KEY, "")) or ()
+    return BagTopic(
+        channel.topic,
+        schema.name,
+        schema.data.decode(),
+        tuple(offered),
+        channel.metadata.get(HASH_KEY, ""),
+    )
 
 
 def read_messages(path: Path, schema_name: str = "") -> Iterator[tuple[str, Message, Any]]:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
-import yaml
-from mcap.records import Channel, Message, Schema
-
 from ghc_controller.errors import ConfigurationError
-from ghc_sim_bridge.recorder.bag_metadata import METADATA, BagExtent, BagTopic
-from ghc_sim_bridge.recorder.bag_reading import intact_records, storage_files
-from ghc_sim_bridge.recorder.bag_recording import HASH_KEY, QOS_KEY, BagRecording
+from ghc_sim_bridge.recorder.bag_metadata import METADATA, BagExtent
+from ghc_sim_bridge.recorder.bag_reading import raw_messages, storage_files
+from ghc_sim_bridge.recorder.bag_recording import BagRecording
 
 _BUFFER = 8 * 2**20  # [bytes] held in memory at most, about
 
@@ -32,8 +28,11 @@ def repair_bag(folder: Path) -> BagExtent:
     draft = folder / ".repair"
     try:
         recording = BagRecording(draft, files[0].name)
-        for topic, message in _messages(files[0], recording):
-            recording.write(topic, message.log_time, message.publish_time, message.data)
+        for topic, message in raw_messages(files[0]):
+            if message is None:
+                recording.add_topic(topic)
+                continue
+            recording.write(topic.name, message.log_time, message.publish_time, message.data)
             if recording.pending > _BUFFER:
                 recording.checkpoint()
         recording.close()
@@ -42,29 +41,3 @@ def repair_bag(folder: Path) -> BagExtent:
     finally:
         shutil.rmtree(draft, ignore_errors=True)
     return recording.extent
-
-
-def _messages(file: Path, recording: BagRecording) -> Iterator[tuple[str, Message]]:
-    """Topic and message of what is intact; topics are announced to `recording` on the way."""
-    schemas: dict[int, Schema] = {}
-    topics: dict[int, BagTopic] = {}
-    for record in intact_records(file):
-        if isinstance(record, Schema):
-            schemas[record.id] = record
-        elif isinstance(record, Channel):
-            if record.id not in topics:
-                topics[record.id] = topic = _topic(record, schemas[record.schema_id])
-                recording.add_topic(topic)
-        elif isinstance(record, Message):
-            yield topics[record.channel_id].name, record
-
-
-def _topic(channel: Channel, schema: Schema) -> BagTopic:
-    offered = yaml.safe_load(channel.metadata.get(QOS_KEY, "")) or ()
-    return BagTopic(
-        channel.topic,
-        schema.name,
-        schema.data.decode(),
-        tuple(offered),
-        channel.metadata.get(HASH_KEY, ""),
-    )

@@ -1,11 +1,11 @@
 """The simulated robot behind ROS topics: master of time, in lockstep or by the wall clock.
 
-Publishes  joint_states (stamp = simulated time, frame_id = epoch, effort = torque applied over the
-           last period [Nm]), contacts/<name> (force of the surroundings on the robot, world axes,
-           same stamp, sent before), odom where the base floats (pose in the world, twist in base
-           axes; same stamp and frame_id, sent before), constraints/obstacles (what the scene's
-           obstacle sensor sees, at its own rate, sent before the state of its stamp), /clock,
-           /diagnostics.
+Publishes  ~/epoch (latched, before the first state of a run: which stamps belong to it),
+           joint_states (stamp = simulated time, effort = torque over the last period [Nm]),
+           contacts/<name> (force of the surroundings on the robot, world axes, same stamp, sent
+           before), odom where the base floats (pose in the world, twist in base axes; same stamp,
+           sent before), constraints/obstacles (what the scene's obstacle sensor sees, at its own
+           rate, sent before the state of its stamp), /clock, /diagnostics.
 Subscribes joint_commands (stamp = the state that it answers, effort [Nm] by joint name).
 Services   ~/reset (std_srvs/Trigger: start state, next epoch), ~/pause (std_srvs/SetBool).
 Parameters see BridgeParameters.
@@ -21,7 +21,7 @@ from pathlib import Path
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
-from ghc_msgs.msg import ObstacleStateArray
+from ghc_msgs.msg import Epoch, ObstacleStateArray
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
@@ -38,9 +38,11 @@ from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import (
     CLOCK_QOS,
     CONTROL_PUBLISHER_QOS,
+    LATCHED_QOS,
     LOSSLESS_PUBLISHER_QOS,
 )
 from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.time import time_from_nanoseconds
 from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.cycle import ControlCycle
@@ -51,14 +53,15 @@ from ghc_sim_bridge.bridge.publisher import WORLD_FRAME, Observe, Publish, State
 from ghc_sim_bridge.bridge.realtime import RealtimeMode, Watchdog
 from ghc_sim_bridge.bridge.run_mode import RunMode
 from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
-from ghc_sim_bridge.ros.command_desk import CommandDesk
+from ghc_sim_bridge.parameters import BridgeParameters
+from ghc_sim_bridge.ros.commands import CommandSubscriber
 from ghc_sim_bridge.ros.conversions import obstacles_message
 from ghc_sim_bridge.ros.others import (
+    CLOCK,
     YoungBridge,
-    clock_belongs_to_another,
     refuse_second_bridge,
 )
-from ghc_sim_bridge.ros.parameters import BridgeParameters
+from ghc_sim_bridge.ros.shared_clock import SharedClock
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleSensor
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -102,6 +105,7 @@ class SimBridge:
         self._parameters = p = read_parameters(self.node, BridgeParameters)
         self.executor = p.executor
         since = time.monotonic()
+        clock = self._advertise(Clock, CLOCK, CLOCK_QOS, stop)  # others know of it meanwhile
         simulator = Simulator(
             p.scene,
             control_dt=p.control_dt,
@@ -120,40 +124,45 @@ class SimBridge:
         self._rows_saved = -1  # a run that was stopped at once leaves an empty log, not none
         self._cycle = ControlCycle(simulator, gate, self._log)
         self._stop_ns = round(p.stop_time * NANOSECONDS) if p.stop_time > 0.0 else NEVER_NS
-        self._commands = CommandDesk(self.node, self._cycle)
+        self._commands = CommandSubscriber(self.node, self._cycle)
         self._health = BridgeDiagnostics(self._commands.rejections)
         refuse_second_bridge(self.node, since)
-        self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
+        self._clock = SharedClock(self.node, lambda: self._cycle.time_ns)
+        self._clock.settle()
+        self._epochs = self.node.create_publisher(Epoch, "~/epoch", LATCHED_QOS)
+        self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), clock, stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
         self._young = YoungBridge(self.node, lambda: self._cycle.time_ns, stop)
         self._listen(stop)
-        self._mode.restart()
+        self._begin_run()
         self.node.get_logger().info(
             f"scene '{p.scene}', {p.mode}, {'paused' if p.paused else 'running'}"
         )
 
-    def _make_publisher(self, contacts: Sequence[str], stop: Future) -> StatePublisher:
+    def _advertise(self, kind: type, topic: str, qos: QoSProfile, stop: Future) -> Publish:
+        """What publishes a topic; with `lossless` whatever that takes."""
         p = self._parameters
-        qos = LOSSLESS_PUBLISHER_QOS if p.lossless else CONTROL_PUBLISHER_QOS
+        if not p.lossless:
+            return self.node.create_publisher(kind, topic, qos).publish
+        publish: Publish = self.node.create_publisher(kind, topic, LOSSLESS_PUBLISHER_QOS).publish
+        return patient(publish, topic, p.lockstep_timeout, stop.done)
 
-        def advertise(kind: type, topic: str, qos: QoSProfile) -> Publish:
-            publish: Publish = self.node.create_publisher(kind, topic, qos).publish
-            return (
-                patient(publish, topic, p.lockstep_timeout, stop.done) if p.lossless else publish
-            )
+    def _make_publisher(
+        self, contacts: Sequence[str], clock: Publish, stop: Future
+    ) -> StatePublisher:
+        def advertise(kind: type, topic: str) -> Publish:
+            return self._advertise(kind, topic, CONTROL_PUBLISHER_QOS, stop)
 
         return StatePublisher(
-            advertise(JointState, "joint_states", qos),
-            advertise(Clock, "/clock", qos if p.lossless else CLOCK_QOS),
-            {name: advertise(WrenchStamped, f"contacts/{name}", qos) for name in contacts},
-            self._make_observer(advertise, qos),
-            advertise(Odometry, "odom", qos) if self._cycle.simulator.floating_base else None,
+            advertise(JointState, "joint_states"),
+            lambda data: clock(data) if self._clock.owned else None,
+            {name: advertise(WrenchStamped, f"contacts/{name}") for name in contacts},
+            self._make_observer(advertise),
+            advertise(Odometry, "odom") if self._cycle.simulator.floating_base else None,
         )
 
-    def _make_observer(
-        self, advertise: Callable[[type, str, QoSProfile], Publish], qos: QoSProfile
-    ) -> Observe | None:
+    def _make_observer(self, advertise: Callable[[type, str], Publish]) -> Observe | None:
         """The obstacle sensor of the scene, as what publishes its readings; None without one."""
         simulator = self._cycle.simulator
         scene = simulator.scene
@@ -162,11 +171,11 @@ class SimBridge:
         for obstacle in scene.obstacles:
             simulator.frame_position(obstacle.protected_frame)  # an unknown one ends the node now
         sensor = ObstacleSensor(scene.obstacles, scene.sensor_period, simulator.control_dt)
-        publish = advertise(ObstacleStateArray, "constraints/obstacles", qos)
+        publish = advertise(ObstacleStateArray, "constraints/obstacles")
 
         def observe(cycle: ControlCycle) -> None:
-            if sensor.is_due(cycle.time_ns):
-                readings = sensor.read(cycle.time_ns, simulator.frame_position)
+            if sensor.is_due(cycle.run_ns):
+                readings = sensor.read(cycle.run_ns, simulator.frame_position)
                 publish(obstacles_message(cycle.time_ns, WORLD_FRAME, readings))
 
         return observe
@@ -202,10 +211,18 @@ class SimBridge:
 
     def _on_reset(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         self._cycle.reset()
-        self._mode.restart()
+        self._begin_run()
         answer.success = True
-        answer.message = f"epoch {self._cycle.epoch}"
+        answer.message = (
+            f"epoch {self._cycle.epoch} from t = {self._cycle.start_ns * 1e-9:.6f} s on"
+        )
         return answer
+
+    def _begin_run(self) -> None:
+        """Announce the run, then publish its first state."""
+        start = time_from_nanoseconds(self._cycle.start_ns)
+        self._epochs.publish(Epoch(start=start, number=self._cycle.epoch))
+        self._mode.restart()
 
     def _on_pause(self, request: SetBool.Request, answer: SetBool.Response) -> SetBool.Response:
         self._mode.paused = request.data
@@ -218,12 +235,7 @@ class SimBridge:
 
     def _publish_diagnostics(self) -> None:
         self._young.look()
-        has_clock = not clock_belongs_to_another(self.node)
-        if self._publisher.has_clock and not has_clock:
-            self.node.get_logger().warning(
-                "/clock: another bridge publishes it on this network; this one leaves it to it"
-            )
-        self._publisher.has_clock = has_clock
+        self._clock.look()
         health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
             diagnostics_message(
@@ -237,7 +249,7 @@ class SimBridge:
         )
 
     def _save_log_at_end(self) -> None:
-        if self._cycle.time_ns >= self._stop_ns:
+        if self._cycle.run_ns >= self._stop_ns:
             self._save_log()
 
     def _save_log(self) -> None:

@@ -6,6 +6,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import (
     ConstraintPreviews,
     ControllerState,
+    Epoch,
     PriorityMatrix,
     PriorityTransition,
     TaskReference,
@@ -17,6 +18,7 @@ from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 from std_srvs.srv import SetBool
 
 from ghc_controller.errors import GhcError
@@ -30,6 +32,7 @@ from ghc_controller.ros.qos import (
     TRACE_QOS,
 )
 from ghc_controller.ros.time import seconds_from_time
+from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
 from ghc_mpc_constraints.ros.conversions import schedule_message
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
@@ -61,7 +64,8 @@ class ExperimentClient(Node):
         self.statuses: dict[str, TransitionStatus] = {}  # id -> latest answer
         self.accepted: set[str] = set()
         self.controller_spoke = False
-        self.state_time: float | None = None  # [s] latest joint state, while watched
+        self.run_start: float | None = None  # [s] stamp of the first state of the run
+        self.state_time: float | None = None  # [s] of the run, latest joint state, while watched
         self.diagnostics: dict[str, dict[str, str]] = {}  # node -> its latest values
         self.planned_rows: set[str] = set()  # of the previews seen before time runs
         self._states: Subscription | None = None
@@ -71,6 +75,7 @@ class ExperimentClient(Node):
             PriorityTransition, TRANSITION_TOPIC, RELIABLE_QOS
         )
         self._pause = self.create_client(SetBool, "sim_bridge/pause")
+        self.create_subscription(Epoch, EPOCH_TOPIC, self._on_epoch, LATCHED_QOS)
         self.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
         )
@@ -110,11 +115,11 @@ class ExperimentClient(Node):
 
     def publish_transition(self, transition: ScriptedTransition) -> None:
         """Send one transition; the answer comes by `raise_if_rejected` and `accepted`."""
-        self._transitions.publish(transition_message(transition))
+        self._transitions.publish(transition_message(transition, self.run_start or 0.0))
 
     def publish_schedule(self, topic: str, schedule: LimitSchedule) -> None:
-        """Send what one contact or joint is allowed, at simulated times."""
-        message = schedule_message(schedule)
+        """Send what one contact or joint is allowed, at times of the run."""
+        message = schedule_message(schedule, self.run_start or 0.0)
         if topic not in self._schedules:
             self._schedules[topic] = self.create_publisher(type(message), topic, SCHEDULE_QOS)
         self._schedules[topic].publish(message)
@@ -162,13 +167,24 @@ class ExperimentClient(Node):
     def _on_matrix(self, _message: PriorityMatrix) -> None:
         self.controller_spoke = True
 
+    def _on_epoch(self, message: Epoch) -> None:
+        self.run_start = seconds_from_time(message.start)
+        self.state_time = None
+
+    def _time_of(self, header: Header) -> float | None:
+        """Time of the run [s]; None for what is stamped before it, or before it is known."""
+        if self.run_start is None:
+            return None
+        time = seconds_from_time(header.stamp) - self.run_start
+        return time if time >= 0.0 else None
+
     def _on_state(self, message: JointState) -> None:
-        self.state_time = seconds_from_time(message.header.stamp)
+        self.state_time = self._time_of(message.header)
 
     def _on_controller_state(self, message: ControllerState) -> None:
         trace = self.trace
-        time = seconds_from_time(message.header.stamp)
-        if trace.time and time <= trace.time[-1]:
+        time = self._time_of(message.header)
+        if time is None or (trace.time and time <= trace.time[-1]):
             return
         trace.tasks = tuple(task.name for task in message.tasks)
         trace.time.append(time)
@@ -178,8 +194,9 @@ class ExperimentClient(Node):
         trace.time_terms.append(message.time_terms)
         trace.time_solve.append(message.time_solve)
         trace.time_step.append(message.time_step)
-        for name, value in zip(message.slack_names, message.slack, strict=False):
-            trace.slack[name] = max(trace.slack.get(name, 0.0), abs(value))
+        for entry in message.rows:
+            if entry.slack:
+                trace.slack[entry.name] = max(trace.slack.get(entry.name, 0.0), abs(entry.slack))
         if message.fallback_reason:
             trace.fallback_reasons.add(message.fallback_reason)
         trace.constraints.append(time, message)

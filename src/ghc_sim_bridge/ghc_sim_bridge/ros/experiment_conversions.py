@@ -14,10 +14,10 @@ from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
 
 @dataclass(frozen=True, slots=True)
 class ScriptedTransition:
-    """A transition with its simulated start."""
+    """A transition with its start."""
 
     id: str
-    start: float  # [s]
+    start: float  # [s] of the run
     duration: float  # [s]
     torque_rate: float = 0.0  # [Nm/s] budget; 0 = none
     hierarchy: str = ""
@@ -33,10 +33,10 @@ def reference_message(reference: Reference, duration: float) -> TaskReference:
     return message
 
 
-def transition_message(transition: ScriptedTransition) -> PriorityTransition:
-    """A transition with its simulated start."""
+def transition_message(transition: ScriptedTransition, run_start: float) -> PriorityTransition:
+    """A transition of a run that begins at `run_start` [s] of simulated time."""
     message = PriorityTransition()
-    message.header.stamp = time_from_seconds(transition.start)
+    message.header.stamp = time_from_seconds(run_start + transition.start)
     message.id = transition.id
     message.duration = transition.duration
     message.torque_rate = transition.torque_rate

@@ -1,8 +1,9 @@
-"""The definition of a ROS message with all that it contains, as MCAP's `ros2msg` wants it."""
+"""A ROS message by its name: class, and definition as MCAP's `ros2msg` wants it."""
 
 from __future__ import annotations
 
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
@@ -32,6 +33,30 @@ def message_schema(type_name: str) -> str:
         parts.append(f"{_SEPARATOR}\nMSG: {inner[0]}/{inner[1]}\n{_definition(*inner)}")
         open_.extend(_dependencies(*inner))
     return "\n".join(parts)
+
+
+def message_class(type_name: str) -> type:
+    """Class of `type_name`, such as "sensor_msgs/msg/JointState".
+
+    Raises:
+        ConfigurationError: the package is not installed, or has no such message.
+    """
+    package, _, name = type_name.split("/")
+    try:
+        found: type = getattr(import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError) as error:
+        raise ConfigurationError(f"message type '{type_name}': {error}") from error
+    return found
+
+
+def same_layout(one: str, other: str) -> bool:
+    """Whether two definitions have the same fields; comments and blank lines do not count."""
+    return _fields(one) == _fields(other)
+
+
+def _fields(schema: str) -> list[str]:
+    lines = (" ".join(line.partition("#")[0].split()) for line in schema.splitlines())
+    return [line for line in lines if line]
 
 
 @cache

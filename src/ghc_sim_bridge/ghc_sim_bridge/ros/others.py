@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
@@ -56,22 +57,27 @@ def refuse_second_bridge(node: Node, since: float) -> None:
         if time.monotonic() > deadline:
             return
         time.sleep(0.01)
+    if first_message(node, JointState, STATES, CONTROL_SUBSCRIBER_QOS, LISTENING) is not None:
+        raise ConfigurationError(_second(node))
+
+
+def first_message(
+    node: Node, kind: type, topic: str, qos: QoSProfile, seconds: float
+) -> bytes | None:
+    """The first message of a topic within `seconds` [s] of wall time, before `node` is spun."""
     heard: list[bytes] = []
     executor = SingleThreadedExecutor(context=node.context)
     listener = Node(
         f"{node.get_name()}_check", context=node.context, namespace=node.get_namespace()
     )
-    listener.create_subscription(
-        JointState, STATES, heard.append, CONTROL_SUBSCRIBER_QOS, raw=True
-    )
+    listener.create_subscription(kind, node.resolve_topic_name(topic), heard.append, qos, raw=True)
     executor.add_node(listener)
-    deadline = time.monotonic() + LISTENING
+    deadline = time.monotonic() + seconds
     while not heard and time.monotonic() < deadline:
         executor.spin_once(timeout_sec=0.05)
     executor.shutdown()
     listener.destroy_node()
-    if heard:
-        raise ConfigurationError(_second(node))
+    return heard[0] if heard else None
 
 
 def _second(node: Node) -> str:
@@ -85,8 +91,14 @@ def _second(node: Node) -> str:
 def _others(node: Node, topic: str) -> list[str]:
     """Who else publishes a topic; waits for names that discovery does not know yet."""
     deadline = time.monotonic() + NAMING
-    while _NAMELESS in (names := publishers_of(node, topic)) and time.monotonic() < deadline:
+    while _NAMELESS in publishers_of(node, topic) and time.monotonic() < deadline:
         time.sleep(0.02)
+    return other_publishers(node, topic)
+
+
+def other_publishers(node: Node, topic: str) -> list[str]:
+    """Full names of the other nodes that publish a topic."""
+    names = publishers_of(node, topic)
     own, full_topic = node.get_fully_qualified_name(), node.resolve_topic_name(topic)
     for publisher in node.publishers:
         if publisher.topic_name == full_topic and own in names:
@@ -136,9 +148,3 @@ class YoungBridge:
         self._last_ns = stamp_ns
         if self._in_a_row >= IN_A_ROW:
             raise ConfigurationError(_second(self._node))
-
-
-def clock_belongs_to_another(node: Node) -> bool:
-    """Whether a node whose name comes first in the alphabet publishes the clock as well."""
-    own = node.get_fully_qualified_name()
-    return any(name < own for name in publishers_of(node, CLOCK))

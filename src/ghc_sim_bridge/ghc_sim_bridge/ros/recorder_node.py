@@ -15,7 +15,6 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -31,12 +30,12 @@ from ghc_controller.ros.qos import recording_qos
 from ghc_controller.ros.run import guarded, run_node
 from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
 from ghc_controller.types import NANOSECONDS
+from ghc_sim_bridge.parameters import RecorderParameters
 from ghc_sim_bridge.recorder.bag_metadata import BagTopic
 from ghc_sim_bridge.recorder.decimation import Decimator
 from ghc_sim_bridge.recorder.kept_recording import KeptRecording
-from ghc_sim_bridge.ros.message_schema import message_schema
+from ghc_sim_bridge.ros.message_schema import message_class, message_schema
 from ghc_sim_bridge.ros.offered_qos import offered_qos, type_hash
-from ghc_sim_bridge.ros.parameters import RecorderParameters
 
 NODE_NAME = "recorder"
 DISCOVERY_PERIOD = 0.1  # [s] wall
@@ -91,7 +90,7 @@ class Recorder:
 
     def _subscribe(self, topic: str, type_name: str) -> None:
         try:
-            kind, schema = _message_class(type_name), message_schema(type_name)
+            kind, schema = message_class(type_name), message_schema(type_name)
         except ConfigurationError as error:
             self.node.get_logger().warning(f"{topic} is not recorded: {error}")
             return
@@ -142,15 +141,6 @@ class Recorder:
                     receive(taken[0])
                     count += 1
         return count
-
-
-def _message_class(type_name: str) -> type:
-    package, _, name = type_name.split("/")
-    try:
-        found: type = getattr(import_module(f"{package}.msg"), name)
-    except (ImportError, AttributeError) as error:
-        raise ConfigurationError(f"message type '{type_name}': {error}") from error
-    return found
 
 
 def _begins_with_stamp(kind: Any) -> bool:

@@ -16,6 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.urdf import find_urdf
+from ghc_controller.ros.this_host import stay_on_this_host
 from ghc_controller.schema.reader import read_yaml
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 from ghc_sim_bridge.ros.experiment_client import ExperimentClient
@@ -54,7 +55,7 @@ def run_experiment(plan: RunPlan) -> RunOutcome:
 def _run(plan: RunPlan) -> RunOutcome:
     robot = _prepare_folder(plan)
     domain = DomainLock()
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    stay_on_this_host()
     os.environ["ROS_LOG_DIR"] = str(plan.folder / "logs")
     environment = os.environ | {"ROS_DOMAIN_ID": str(domain.id)}
     try:

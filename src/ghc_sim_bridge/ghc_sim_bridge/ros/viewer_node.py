@@ -24,8 +24,8 @@ from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.run import guarded, run_node
 from ghc_controller.ros.wire.cdr import read_stamp
+from ghc_sim_bridge.parameters import ViewerParameters
 from ghc_sim_bridge.ros.conversions import pose_of
-from ghc_sim_bridge.ros.parameters import ViewerParameters
 from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.viewer.layout import new_recording
 from ghc_sim_bridge.viewer.live_view import LiveView

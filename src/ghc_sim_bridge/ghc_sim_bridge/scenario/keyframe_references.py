@@ -15,7 +15,7 @@ from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.tasks.task import Task
-from ghc_controller.types import Array, RobotState
+from ghc_controller.types import Array
 from ghc_sim_bridge.scenario.keyframes import JointMotion, Keyframes, joint_motion
 from ghc_sim_bridge.scenario.posture_motion import configuration
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
@@ -53,7 +53,7 @@ def keyframe_references(keyframes: Keyframes, robot: str, scene: str) -> tuple[R
         _check_footing(footing, description, time)
         config.model.update(q, v)
         for task in tasks:
-            points[task.name].append(_point(task, config.model, RobotState(time, q, v), a))
+            points[task.name].append(_point(task, config.model, time, v, a))
     return tuple(
         Reference(task.name, tuple(points[task.name]), _joints_of(task)) for task in tasks
     )
@@ -63,14 +63,12 @@ def _joints_of(task: Task) -> tuple[str, ...]:
     return task.labels if task.error_unit == "rad" and task.position_size == task.size else ()
 
 
-def _point(task: Task, model: RobotModel, state: RobotState, a: Array) -> ReferencePoint:
+def _point(task: Task, model: RobotModel, time: float, v: Array, a: Array) -> ReferencePoint:
     """What the task sees at the last update: value, J v, and J a + dJ/dt v."""
     position = task.current(model).copy()
-    rows = task.rows(model, state, task.static_target(position))
-    velocity = rows.jacobian @ state.v
-    drift = -(rows.target + task.damping * velocity)
-    acceleration = rows.jacobian @ a + drift
-    return ReferencePoint(state.time, tuple(position), tuple(velocity), tuple(acceleration))
+    rows = task.measured(model, task.static_target(position))
+    velocity, acceleration = rows.jacobian @ v, rows.jacobian @ a + rows.drift
+    return ReferencePoint(time, tuple(position), tuple(velocity), tuple(acceleration))
 
 
 def _whole_motion(

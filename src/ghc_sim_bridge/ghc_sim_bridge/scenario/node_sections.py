@@ -9,25 +9,29 @@ from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
+from ghc_controller.settings import Settings
 from ghc_mpc_constraints.generator import GENERATORS
 from ghc_mpc_constraints.ros.parameters import generator_parameters
+from ghc_sim_bridge.parameters import BridgeParameters, RecorderParameters, ViewerParameters
 
 CHECKED: Mapping[str, type] = {
+    "sim_bridge": BridgeParameters,
     "controller": ControllerParameters,
+    "recorder": RecorderParameters,
+    "viewer": ViewerParameters,
     **{name: generator_parameters(name) for name in GENERATORS.built_in},
 }
 NODES = ("sim_bridge", "controller", "recorder", "viewer")  # and the generators
 
 
 def read_parameters(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
-    """Node -> its parameters; those of controller and generators are checked here."""
+    """Node -> its parameters, checked as the node itself does."""
     fields = scenario.section(name, optional=True)
     for node in fields.given():
         if node not in NODES and node not in GENERATORS:
             known = ", ".join((*NODES, *GENERATORS))
             raise fields.error(node, f"unknown node; known: {known}")
-        if node in CHECKED or node in GENERATORS:
-            read(fields.section(node), CHECKED.get(node) or generator_parameters(node))
+        read(fields.section(node), CHECKED.get(node) or generator_parameters(node))
     return {node: fields.section(node).values for node in fields.given()}
 
 
@@ -38,5 +42,6 @@ def read_formulations(scenario: Fields, name: str) -> Mapping[str, Mapping[str, 
         if formulation not in FORMULATIONS:
             known = ", ".join(FORMULATIONS)
             raise fields.error(formulation, f"unknown formulation; known: {known}")
-        read(fields.section(formulation), ControllerParameters)
+        in_use = ControllerParameters(settings=Settings(formulation=formulation))
+        read(fields.section(formulation), ControllerParameters, base=in_use)
     return {formulation: fields.section(formulation).values for formulation in fields.given()}

@@ -9,7 +9,6 @@ replace, null takes a field away. Files in the package's folder
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
 
 from ghc_controller.errors import InvalidField, UnknownName
@@ -25,10 +24,7 @@ from ghc_sim_bridge.scenario.schedules import SECTIONS
 from ghc_sim_bridge.scenario.walk.walk import walk_events, walk_references, walk_schedules
 
 SCENARIOS: Registry[Files] = Registry("scenario", "ghc_sim_bridge.scenarios")
-for _file in sorted(
-    (Path(str(resources.files("ghc_sim_bridge"))) / "scenario" / "data").glob("*.yaml")
-):
-    SCENARIOS.register(_file.stem)(_file)
+SCENARIOS.register_files("ghc_sim_bridge", "scenario/data/*.yaml")
 
 
 def scenario_names() -> tuple[str, ...]:

@@ -6,14 +6,15 @@ Everything is checked here, with file and field in the message.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from importlib.resources import files
+from collections.abc import Sequence
+from dataclasses import fields as dataclass_fields
 from pathlib import Path
 
 from ghc_controller.errors import ConfigurationError, UnknownName
+from ghc_controller.migration.names import Kind, hint
 from ghc_controller.registry import Registry
-from ghc_controller.robot.library import find_robot
-from ghc_controller.robot.urdf import find_urdf
+from ghc_controller.robot.library import load_robot
+from ghc_controller.robot.robot import Robot
 from ghc_controller.schema.plugged_files import Files, plugged_file
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
@@ -22,6 +23,7 @@ from ghc_sim_bridge.scene.values import (
     Contact,
     Obstacle,
     SceneDescription,
+    SceneFields,
     Surface,
 )
 
@@ -39,8 +41,7 @@ __all__ = [
 
 
 SCENES: Registry[Files] = Registry("scene", "ghc_sim_bridge.scenes")
-for _file in sorted((Path(str(files("ghc_sim_bridge"))) / "scene" / "data").glob("*.yaml")):
-    SCENES.register(_file.stem)(_file)
+SCENES.register_files("ghc_sim_bridge", "scene/data/*.yaml")
 
 
 def list_scenes() -> tuple[str, ...]:
@@ -72,38 +73,53 @@ def load_scene(scene: str | Path) -> SceneDescription:
     """
     file = find_scene(scene)
     fields = read_yaml(file)
-    given = read(fields, SceneDescription)
-    robot_file, robot, urdf = _robot(given.robot, fields, file)
+    _refuse_places(fields)
+    given = read(fields, SceneFields)
+    robot = _robot(given.robot_name, fields, file)
     _check_base(fields, robot)
-    limits = robot.section("limits", optional=True)
-    torque = limits.number_or_map("torque") if given.torque_limit is None else given.torque_limit
-    return replace(
-        given,
-        name=given.name or file.stem,
-        file=file,
-        robot_file=robot_file,
-        urdf=urdf,
-        torque_limit=torque,
-        velocity_limit=limits.number_or_map("velocity"),
-    )
+    values = {item.name: getattr(given, item.name) for item in dataclass_fields(given)}
+    values["name"] = given.name or file.stem
+    values["contacts"] = _placed(given.contacts, robot, fields)
+    return SceneDescription(**values, file=file, robot=robot)
 
 
-def _robot(name: str, fields: Fields, file: Path) -> tuple[Path, Fields, Path]:
-    """File and fields of the robot.yaml, and the URDF that it names."""
+def _refuse_places(fields: Fields) -> None:
+    """Frame and points of a contact stood here before."""
+    for contact in fields.sections("contacts", optional=True):
+        for name in ("frame", "points"):
+            if contact.has(name):
+                raise contact.error(name, hint(Kind.SCENE, f"contacts.{name}"))
+
+
+def _robot(name: str, fields: Fields, file: Path) -> Robot:
+    """The robot of that name, or of a path that may be relative to the scene."""
     try:
-        robot_file = find_robot(file.parent / name if name.startswith(".") else name)
-    except (UnknownName, ConfigurationError) as error:
+        return load_robot(file.parent / name if name.startswith(".") else name)
+    except UnknownName as error:
+        if error.kind != "robot":
+            raise
         raise fields.error("robot", str(error)) from error
-    robot = read_yaml(robot_file)
-    urdf = find_urdf(robot.value("urdf"), robot_file)
-    if not urdf.is_file():
-        raise robot.error("urdf", f"'{urdf}' does not exist")
-    return robot_file, robot, urdf
 
 
-def _check_base(fields: Fields, robot: Fields) -> None:
+def _placed(contacts: Sequence[Contact], robot: Robot, fields: Fields) -> tuple[Contact, ...]:
+    """The contacts with frame and points of the robot's file."""
+    placed = []
+    for contact, entry in zip(contacts, fields.sections("contacts", optional=True), strict=True):
+        place = robot.contact_places.get(contact.name)
+        if place is None:
+            known = ", ".join(robot.contact_places) or "none"
+            raise entry.error(
+                "name",
+                f"'{contact.name}' given, a contact of {robot.path} expected, which says its "
+                f"frame and points; known: {known}",
+            )
+        placed.append(contact.at(place.frame, place.points))
+    return tuple(placed)
+
+
+def _check_base(fields: Fields, robot: Robot) -> None:
     """`base` is given for a robot with a floating base, and for no other."""
-    if robot.flag("floating_base", False):
+    if robot.floating_base:
         fields.value("base")
     elif fields.has("base"):
         raise fields.error("base", "the robot's base is fixed, it has no start of its own")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ghc_controller.errors import InvalidField
+from ghc_controller.robot.robot import Robot
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE, OneOf, Range
 from ghc_controller.schema.reader import Fields
@@ -20,6 +21,15 @@ Limit = float | Mapping[str, float] | None
 
 SURFACE_KINDS = ("plane", "box")
 _ORIGIN = (0.0, 0.0, 0.0)
+
+
+def unit_vector(field: str, vector: Vector) -> Vector:
+    """The vector at length 1; InvalidField for one that is not of that length."""
+    length = math.hypot(*vector)
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise InvalidField(field, f"length 1 expected, {length:g} given")
+    x, y, z = vector
+    return (x / length, y / length, z / length)
 
 
 @dataclass(frozen=True)
@@ -69,13 +79,15 @@ class Surface:
 
 @dataclass(frozen=True)
 class Contact:
-    """Where the robot may touch the surroundings: spheres fixed to one of its frames."""
+    """Where the robot may touch the surroundings: balls at the points of a contact of its file."""
 
-    name: str = declared("published as contacts/<name>")
-    frame: str = declared("frame of the URDF", names="frame")
-    radius: float = declared("of the spheres", unit="m", domain=Range(minimum=1e-4))
-    points: tuple[Vector, ...] = declared(
-        "centers of the spheres in the frame", (_ORIGIN,), unit="m"
+    name: str = declared("of a contact of robot.yaml, which says frame and points")
+    radius: float = declared("of a ball at each point", unit="m", domain=Range(minimum=1e-4))
+    inward: Vector | None = declared(
+        "unit, in the frame, from a point into the body: the balls' surfaces are at the points; "
+        "left out = their centers are",
+        None,
+        unit="-",
     )
     friction: float = declared(
         "sliding friction coefficient; 0 = frictionless", 0.5, unit="-", domain=NOT_NEGATIVE
@@ -87,6 +99,20 @@ class Contact:
         domain=Range(minimum=1e-4),
     )
     damping_ratio: float = declared("of the penetration", 1.0, unit="-", domain=NOT_NEGATIVE)
+    frame: str = ""  # the last two come from robot.yaml
+    centers: tuple[Vector, ...] = ()  # [m] of the balls, in the frame
+
+    def __post_init__(self) -> None:
+        """Normalize `inward`; raise InvalidField for no unit vector."""
+        if self.inward is not None:
+            object.__setattr__(self, "inward", unit_vector("inward", self.inward))
+
+    def at(self, frame: str, points: Sequence[Vector]) -> Contact:
+        """The contact with frame and points (p, 3) [m] of the robot's file."""
+        x, y, z = (0.0, 0.0, 0.0) if self.inward is None else self.inward
+        r = self.radius
+        centers = tuple((a + r * x, b + r * y, c + r * z) for a, b, c in points)
+        return replace(self, frame=frame, centers=centers)
 
 
 @dataclass(frozen=True)
@@ -129,11 +155,7 @@ class Obstacle:
     def __post_init__(self) -> None:
         """Normalize the normal; raise InvalidField for no unit vector and times that fall."""
         if self.normal is not None:
-            length = math.hypot(*self.normal)
-            if abs(length - 1.0) > UNIT_TOLERANCE:
-                raise InvalidField("normal", f"length 1 expected, {length:g} given")
-            x, y, z = self.normal
-            object.__setattr__(self, "normal", (x / length, y / length, z / length))
+            object.__setattr__(self, "normal", unit_vector("normal", self.normal))
         for before, after in zip(self.track, self.track[1:], strict=False):
             if after.time <= before.time:
                 raise InvalidField(
@@ -155,10 +177,12 @@ class SensorSettings:
 
 
 @dataclass(frozen=True)
-class SceneDescription:
-    """One scene file, checked; the last four fields come from the robot's."""
+class SceneFields:
+    """Content of a scene file, before its robot is read."""
 
-    robot: str = declared("name of a robot, or path; with a dot first, relative to this file")
+    robot_name: str = declared(
+        "name of a robot, or path; with a dot first, relative to this file", name="robot"
+    )
     start: Mapping[str, float] = declared(
         "joint: position; joints left out start at 0", unit="rad"
     )
@@ -178,10 +202,6 @@ class SceneDescription:
     obstacles: tuple[Obstacle, ...] = declared("what comes near", ())
     obstacle_sensor: SensorSettings | None = declared("needed with obstacles", None)
     end_stops: bool = declared("joints stop at their position limits", True)
-    file: Path = Path()
-    robot_file: Path = Path()
-    urdf: Path = Path()
-    velocity_limit: Limit = None  # [rad/s] of robot.yaml; None = the URDF's
 
     def __post_init__(self) -> None:
         """Raise InvalidField for names given twice and obstacles that no sensor would see."""
@@ -200,3 +220,21 @@ class SceneDescription:
     def sensor_period(self) -> float | None:
         """Period of the obstacle sensor [s]; None = there is none."""
         return None if self.obstacle_sensor is None else self.obstacle_sensor.period
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneDescription(SceneFields):
+    """A scene file and the robot in it, checked: contacts have the places of the robot's file."""
+
+    file: Path
+    robot: Robot
+
+    @property
+    def urdf(self) -> Path:
+        """Model file of the robot."""
+        return self.robot.urdf
+
+    @property
+    def robot_file(self) -> Path:
+        """File of the robot."""
+        return self.robot.path

@@ -17,7 +17,7 @@ from ghc_sim_bridge.simulation.surroundings import (
     add_light_and_ground,
     add_surface,
 )
-from ghc_sim_bridge.simulation.urdf_text import WORLD_LINK, prepare_urdf
+from ghc_sim_bridge.simulation.urdf_for_mujoco import WORLD_LINK, for_mujoco
 
 CONTACT_GAP = 1e-3  # [m] closer than this a point is listed as touching; force only from 0 on
 
@@ -63,16 +63,13 @@ def base_frame_of(model: mujoco.MjModel) -> str:
 
 def contact_geom_names(contact: Contact) -> tuple[str, ...]:
     """Names of the contact's spheres in the model."""
-    return tuple(f"contact/{contact.name}/{k}" for k in range(len(contact.points)))
+    return tuple(f"contact/{contact.name}/{k}" for k in range(len(contact.centers)))
 
 
 def _read_urdf(scene: SceneDescription, shapes: bool) -> mujoco.MjSpec:
+    urdf = for_mujoco(scene.urdf, scene.robot.floating_base, shapes)
     try:
-        text = scene.urdf.read_text(encoding="utf-8")
-    except OSError as error:
-        raise ConfigurationError(f"{scene.urdf}: cannot be read: {error.strerror}") from error
-    try:
-        return mujoco.MjSpec.from_string(prepare_urdf(text, scene, shapes))
+        return mujoco.MjSpec.from_string(urdf)
     except ValueError as error:
         raise _refused(scene, error) from error
 
@@ -125,12 +122,12 @@ def _add_contact(spec: mujoco.MjSpec, contact: Contact, frames: tuple[str, ...])
     if contact.frame not in frames:
         raise UnknownName(f"frame of contact '{contact.name}'", contact.frame, frames)
     body = spec.body(contact.frame)
-    for name, point in zip(contact_geom_names(contact), contact.points, strict=True):
+    for name, center in zip(contact_geom_names(contact), contact.centers, strict=True):
         body.add_geom(
             name=name,
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[contact.radius, 0.0, 0.0],
-            pos=list(point),
+            pos=list(center),
             mass=0.0,
             group=3,  # not drawn: the URDF has the shapes for the eye
             contype=ROBOT_BIT,

@@ -25,7 +25,6 @@ from ghc_sim_bridge.scene.values import Camera, SceneDescription
 from ghc_sim_bridge.simulation.coordinates import FixedBase, FloatingBase
 from ghc_sim_bridge.simulation.joint_map import JointMap
 from ghc_sim_bridge.simulation.mujoco_model import build_model, joints_of
-from ghc_sim_bridge.simulation.urdf_limits import read_limits
 
 Picture = NDArray[np.uint8]  # (height, width, 3)
 
@@ -61,10 +60,8 @@ class Renderer:
         self._camera = _camera(scene.camera)
         self._model = build_model(scene, 1e-3, shapes=True)
         self._data = mujoco.MjData(self._model)
-        joints = JointMap(
-            tuple(read_limits(scene.urdf)) if joint_names is None else joint_names,
-            joints_of(self._model),
-        )
+        simulated = joints_of(self._model)
+        joints = JointMap(simulated if joint_names is None else joint_names, simulated)
         self._coordinates = FixedBase(joints) if scene.base is None else FloatingBase(joints)
         self._option = mujoco.MjvOption()
         self._scene = mujoco.MjvScene(self._model, maxgeom=4000)

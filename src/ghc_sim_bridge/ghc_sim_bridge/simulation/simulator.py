@@ -27,7 +27,6 @@ from ghc_sim_bridge.simulation.joint_map import JointMap
 from ghc_sim_bridge.simulation.mujoco_model import base_frame_of, build_model, joints_of
 from ghc_sim_bridge.simulation.standing_hold import standing_torque
 from ghc_sim_bridge.simulation.timing import PHYSICS_DT, count_substeps
-from ghc_sim_bridge.simulation.urdf_limits import read_limits
 
 LARGEST_SPEED = 1e3  # [rad/s] beyond it a state is diverged, not fast
 LARGEST_TORQUE = 1e6  # [Nm] beyond it a torque is a mistake, not a command
@@ -58,7 +57,7 @@ class Simulator:
             scene: name, path or description of the scene.
             control_dt: how long a torque is held, one `step` [s]; a multiple of physics_dt.
             physics_dt: step of the integrator [s].
-            joint_names: joint order of the robot model; that of the URDF when not given.
+            joint_names: joint order of the robot model; that of MuJoCo when not given.
             disturbances: other masses and friction, and a push; none when not given.
 
         Raises:
@@ -73,25 +72,22 @@ class Simulator:
         if disturbances is not None:
             disturbances.change(self.model)
         self.data = mujoco.MjData(self.model)
-        limits = read_limits(self.scene.urdf)
-        joints = JointMap(
-            tuple(limits) if joint_names is None else joint_names, joints_of(self.model)
-        )
+        simulated = joints_of(self.model)
+        joints = JointMap(simulated if joint_names is None else joint_names, simulated)
         self.joint_names = names = joints.names
         self.floating_base = self.scene.base is not None
         self._coordinates = FloatingBase(joints) if self.floating_base else FixedBase(joints)
         self.nq, self.nv = self._coordinates.nq, self._coordinates.nv
         self.base_frame = base_frame_of(self.model)
+        model = self.scene.robot.model
+        order, limits = [model.joint_index(name) for name in names], model.limits
         self.torque_limit: Array = overridden(
-            np.array([limits[n].torque for n in names]), self.scene.torque_limit, names, "torque"
+            limits.torque[order], self.scene.torque_limit, names, "torque"
         )
-        self.velocity_limit: Array = overridden(
-            np.array([limits[n].velocity for n in names]),
-            self.scene.velocity_limit,
-            names,
-            "velocity",
+        self.velocity_limit: Array = limits.velocity[order]
+        self.position_limits: Array = np.stack(
+            [limits.position_lower[order], limits.position_upper[order]], axis=1
         )
-        self.position_limits: Array = np.array([limits[n].position for n in names])
         self._contacts = ContactSensors(self.model, self.scene.contacts)
         self._mass_buffer = np.zeros((self.model.nv, self.model.nv))
         self.start: Array = self._start()

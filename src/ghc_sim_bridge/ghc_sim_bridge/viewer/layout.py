@@ -9,6 +9,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
+from ghc_sim_bridge.colors import rgb
 from ghc_sim_bridge.scene.description import Camera, SceneDescription
 
 APPLICATION = "ghc_control"
@@ -27,22 +28,6 @@ _TITLES = {
 }
 # The viewer's light is bright: a light floor would outshine the robot on it.
 SHADE = np.array([0.4, 0.4, 0.4, 1.0])
-# Distinct on dark and on light ground; more lines than colours begin anew.
-PALETTE = np.array(
-    [
-        [31, 119, 180],
-        [255, 127, 14],
-        [44, 160, 44],
-        [214, 39, 40],
-        [148, 103, 189],
-        [140, 86, 75],
-        [227, 119, 194],
-        [127, 127, 127],
-        [188, 189, 34],
-        [23, 190, 207],
-    ],
-    dtype=np.uint8,
-)
 ENDLESS = 3.0  # [m] drawn of a plane without an end
 SHEET = 0.002  # [m] height drawn of a plane
 
@@ -56,8 +41,8 @@ def new_recording() -> rr.RecordingStream:
 
 
 def colours(count: int) -> NDArray[np.uint8]:
-    """One colour per line, (count, 3)."""
-    return PALETTE[np.arange(count) % len(PALETTE)]
+    """One colour per line, (count, 3); more lines than colours begin anew."""
+    return np.array([rgb(index) for index in range(count)], dtype=np.uint8).reshape(-1, 3)
 
 
 def blueprint(camera: Camera, plots: Sequence[str]) -> rrb.Blueprint:

@@ -117,7 +117,9 @@ def _send_targets(
     recording: rr.RecordingStream, controller: ControllerSeries, names: Sequence[str]
 ) -> None:
     """Per task a ball at the target, the path so far asked for, and a line to the error's end."""
-    for name, colour in zip(names, colours(len(names)), strict=True):
+    of_tasks = dict(zip(controller.tasks, colours(len(controller.tasks)), strict=True))
+    for name in names:
+        colour = of_tasks[name]
         target = controller.references[name][:, :3]
         actual = target - controller.errors[name][:, :3]
         times = [_times(controller.time)]

@@ -35,8 +35,11 @@ class Choices:
     without_velocity: tuple[str, ...]
 
 
-def choose(model: RobotModel) -> Choices:
+def choose(model: RobotModel, start: Array | None = None) -> Choices:
     """Read a robot with a fixed base.
+
+    Args:
+        start: posture (a,) to begin in; one away from singular ones when not given.
 
     Raises:
         ConfigurationError: no frame that three joints move, or nothing that one could start from.
@@ -56,8 +59,9 @@ def choose(model: RobotModel) -> Choices:
     end_effector = next((name for name in last if _TOOL.search(name)), last[-1])
     half = min(movers.values(), key=lambda count: abs(count - (best + 1) / 2) + (count >= best))
     elbow = next(name for name in movers if movers[name] == half)
-    postures = np.clip(rng.uniform(-_SPREAD, _SPREAD, (_POSTURES, model.na)) + middle, low, high)
-    start = max(postures, key=lambda q: _regularity(model, q, end_effector))
+    drawn = np.clip(rng.uniform(-_SPREAD, _SPREAD, (_POSTURES, model.na)) + middle, low, high)
+    if start is None:
+        start = max(drawn, key=lambda q: _regularity(model, q, end_effector))
     other = np.clip(start + _MOVE * rng.choice([-1.0, 1.0], model.na), low, high)
     targets = _places(model, other, (end_effector, elbow))
     places = _places(model, start, tuple(movers))

@@ -11,6 +11,7 @@ from pathlib import Path
 from ghc_controller.errors import ConfigurationError, GhcError
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.robot.first_files.choices import Choices, choose
+from ghc_controller.robot.first_files.srdf import group_state
 from ghc_controller.robot.first_files.texts import SWAP, robot_text, scenario_text, scene_text
 from ghc_controller.robot.urdf import find_urdf
 
@@ -20,14 +21,16 @@ _NEAR = 2  # [-] folders up to which a path relative to robot.yaml is written
 def main(arguments: Sequence[str] | None = None) -> int:
     """0 = the files were written, 1 = they were not (said in one line)."""
     parser = argparse.ArgumentParser(prog="new_robot", description=__doc__.splitlines()[0])
-    parser.add_argument("urdf", type=Path, help="URDF or xacro of an arm with a fixed base")
+    parser.add_argument("urdf", type=Path, help="URDF, xacro or MJCF of an arm with a fixed base")
     parser.add_argument("--folder", type=Path, help="for the files; left out = ./<name>")
     parser.add_argument("--name", help="of the robot; left out = that of the URDF's file")
+    parser.add_argument("--srdf", type=Path, help="its group states are start postures")
+    parser.add_argument("--pose", default="", help="group state; left out = the most complete")
     options = parser.parse_args(arguments)
     name = options.name or options.urdf.name.partition(".")[0]
     folder = options.folder or Path(name)
     try:
-        chosen = write_first_files(options.urdf, folder, name)
+        chosen = write_first_files(options.urdf, folder, name, options.srdf, options.pose)
     except GhcError as error:
         print(f"new_robot: {error}", file=sys.stderr)
         return 1
@@ -47,8 +50,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def write_first_files(urdf: Path, folder: Path, name: str) -> Choices:
+def write_first_files(
+    urdf: Path, folder: Path, name: str, srdf: Path | None = None, pose: str = ""
+) -> Choices:
     """Write robot.yaml, scene.yaml and swap.yaml; what was chosen.
+
+    Args:
+        srdf, pose: file and group state of the start posture; without, one is chosen.
 
     Raises:
         ConfigurationError: no readable URDF, a robot that needs files of its own, or a folder
@@ -61,7 +69,7 @@ def write_first_files(urdf: Path, folder: Path, name: str) -> Choices:
     if taken:
         raise ConfigurationError(f"{taken[0]} exists already; give another --folder")
     model = RobotModel.from_urdf(find_urdf(str(urdf.resolve()), folder / "robot.yaml"))
-    chosen = choose(model)
+    chosen = choose(model, None if srdf is None else group_state(srdf, model, pose))
     place = os.path.relpath(urdf.resolve(), folder.resolve())
     if place.count("..") > _NEAR:
         place = str(urdf.resolve())

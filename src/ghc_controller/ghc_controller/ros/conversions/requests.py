@@ -8,6 +8,7 @@ import numpy as np
 from ghc_msgs.msg import (
     PriorityTransition,
     TaskReference,
+    TaskReferenceStatus,
     TransitionStatus,
 )
 
@@ -21,6 +22,7 @@ from ghc_controller.hierarchy import (
     matrix_from_hierarchy,
 )
 from ghc_controller.references.follower import Follower
+from ghc_controller.references.progress import ReferenceEvent
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_controller.tasks.posture import PostureTask
@@ -82,6 +84,27 @@ def event_message(event: TransitionEvent) -> TransitionStatus:
     """Status message of something that happened to an accepted transition."""
     return status_message(
         getattr(TransitionStatus, event.phase.value), event.time, event.transition
+    )
+
+
+def reference_status_message(
+    status: int, time: float, request: TaskReference, start: float = 0.0, reason: str = ""
+) -> TaskReferenceStatus:
+    """Reply to a reference; `start` and `time` in [s]."""
+    message = TaskReferenceStatus(status=status, id=request.id, task=request.task, reason=reason)
+    message.header.stamp = time_from_seconds(time)
+    message.start = time_from_seconds(start)
+    return message
+
+
+def reference_event_message(event: ReferenceEvent) -> TaskReferenceStatus:
+    """Status message of the end of an accepted reference."""
+    return reference_status_message(
+        getattr(TaskReferenceStatus, event.phase.value),
+        event.time,
+        TaskReference(id=event.id, task=event.task),
+        event.start,
+        event.reason,
     )
 
 

@@ -2,8 +2,9 @@
 
 Publishes  ghc/task_reference (at `period` of the robot's time while the reference moves),
            /diagnostics.
-Subscribes joint_states (time, epoch, and where the robot is at the start), targets/<task>
-           (PoseStamped), target_points/<task> (PointStamped; tasks of a position only).
+Subscribes joint_states (time, and where the robot is at the start), sim_bridge/epoch (latched),
+           targets/<task> (PoseStamped), target_points/<task> (PointStamped; tasks of a position
+           only).
 Parameters see ReachableTargetsParameters.
 """
 
@@ -42,7 +43,7 @@ from ghc_controller.ros.reachable.messages import (
 from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node
-from ghc_controller.ros.wire.epoch import epoch_number
+from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.ros.wire.joint_state import JointStateDecoder
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
 from ghc_controller.ros.wire.timeline import Place, Timeline
@@ -86,6 +87,7 @@ class ReachableTargetsNode:
         node = self.node
         self._out = node.create_publisher(TaskReference, "ghc/task_reference", RELIABLE_QOS)
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        listen_to_epochs(node, self._timeline, self._reject)
         node.create_subscription(
             JointState,
             "joint_states",
@@ -117,14 +119,11 @@ class ReachableTargetsNode:
     def _on_state(self, data: bytes) -> None:
         try:
             values = self._decoder.decode(data)
-            epoch = epoch_number(values.frame_id)
-            if epoch is None:
-                raise InvalidValue(f"joint_states.frame_id: '{values.frame_id}' is no epoch")
-            state = self._reader.read(values, epoch, {})
+            state = self._reader.read(values, self._timeline.epoch, {})
         except (InvalidValue, ValueError) as error:
             self._reject("joint_states", str(error))
             return
-        place = self._timeline.judge(values.stamp_ns, epoch)
+        place = self._timeline.judge(values.stamp_ns)
         if place in (Place.OLDER, Place.ELSEWHERE):
             self._reject("joint_states.stamp", self._timeline.expected())
             return

@@ -20,6 +20,7 @@ ENCAPSULATION = BYTE_ORDER + b"\x00\x00"  # the options behind the byte order me
 
 _STAMP = struct.Struct("=iI")
 _LENGTH = struct.Struct("=I")
+_TICK = struct.Struct("=iIQ")
 
 
 def read_stamp(data: bytes | bytearray) -> int:
@@ -105,10 +106,20 @@ class CdrBody:
         )
 
 
-def encode_header(stamp_ns: int, frame_id: str) -> bytes:
-    """Serialized std_msgs/Header of `stamp_ns` [ns]."""
-    body = CdrBody()
-    body.append_string(frame_id)
-    data = body.message()
-    write_stamp(data, stamp_ns)
-    return bytes(data)
+def encode_tick(start_ns: int, epoch: int) -> bytes:
+    """Serialized ghc_msgs/Tick that starts at `start_ns` [ns]."""
+    return ENCAPSULATION + _TICK.pack(*divmod(start_ns, NANOSECONDS), epoch)
+
+
+def decode_tick(data: bytes) -> tuple[int, int]:
+    """Start [ns] and epoch of a serialized ghc_msgs/Tick.
+
+    Raises:
+        ValueError: the bytes are no such message.
+    """
+    order = "<" if data[1:2] == b"\x01" else ">"
+    try:
+        seconds, nanoseconds, epoch = struct.unpack_from(order + "iIQ", data, ENCAPSULATION_SIZE)
+    except struct.error as error:
+        raise ValueError(f"no Tick: {error}") from error
+    return seconds * NANOSECONDS + nanoseconds, epoch

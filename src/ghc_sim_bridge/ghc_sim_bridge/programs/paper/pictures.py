@@ -12,6 +12,7 @@ from ghc_sim_bridge.figures.comparison import (
     Summary,
     jerk_comparison,
     rate_comparison,
+    torque_comparison,
     variants_comparison,
 )
 from ghc_sim_bridge.figures.style import save_png
@@ -29,6 +30,7 @@ SWITCHING_RUNS = {
     "balanced": "balanced, 2 s",
     "cascade": "cascade, 2 s",
 }
+_SIDE_BY_SIDE = ("hqp", "cascade")  # torques of the first switch
 NONSTRICT_RUNS = {"nonstrict_0.2": 0.2, "nonstrict_0.5": 0.5, "nonstrict_0.8": 0.8}
 _IN_BOTH = {
     "insertion_removal": (("tasks", "insertion_removal_tasks"),),
@@ -93,6 +95,10 @@ def write_pictures(results: Mapping[str, Result], folder: Path) -> frozenset[str
             rates["hqp, rate limit on"] = results["hqp_gated"].summary
         save_png(rate_comparison(rates), folder / "switching_rates.png")
         written |= {"switching_jerk.png", "switching_rates.png"}
+        if all(name in present for name in _SIDE_BY_SIDE):
+            pair = {SWITCHING_RUNS[name]: logs[SWITCHING_RUNS[name]] for name in _SIDE_BY_SIDE}
+            save_png(torque_comparison(pair), folder / "switching_torques.png")
+            written.add("switching_torques.png")
     for picture, named in (("nonstrict", str), (beside("nonstrict"), beside)):
         variants = {
             rf"$\alpha_{{12}}$ = {alpha:g}": analyse_folder(results[named(name)].plan)

@@ -1,0 +1,1 @@
+"""The node that publishes what RViz and Foxglove draw (docs/display.md)."""
