@@ -14,19 +14,20 @@ from typing import Any
 from ghc_msgs.msg import (
     ContactForceBounds,
     ContactSchedule,
+    Epoch,
     ObstacleState,
     ObstacleStateArray,
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
+    Tick,
 )
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
 
 from benchmarks.faults.session import JOINTS, Session
 from benchmarks.soak.memory import resident_memory
-from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, RELIABLE_QOS, SCHEDULE_QOS
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, LATCHED_QOS, RELIABLE_QOS, SCHEDULE_QOS
 
 WAVE = 200  # [-] messages
 PAUSE = 1e-3  # [s] wall between two of them
@@ -37,7 +38,6 @@ NODES = ("sim_bridge", "controller", "obstacle_bounds", "contact_force_bounds")
 def originals() -> dict[str, tuple[Any, Any]]:
     """Topic -> quality of service, and a sound message."""
     states = JointState(name=JOINTS, position=[0.1] * 7, velocity=[0.0] * 7, effort=[1.0] * 7)
-    states.header.frame_id = "0"
     obstacle = ObstacleState(id="wall", protected_frame="tool", distance=0.4, safe_distance=0.1)
     obstacle.normal[:] = [-1.0, 0.0, 0.0]
     schedule = ContactSchedule(contact="left", times=[0.0, 1.0], lower=[0.0] * 2, upper=[9.0] * 2)
@@ -48,7 +48,8 @@ def originals() -> dict[str, tuple[Any, Any]]:
     return {
         "joint_states": (CONTROL_PUBLISHER_QOS, states),
         "joint_commands": (CONTROL_PUBLISHER_QOS, states),
-        "ghc/tick": (CONTROL_PUBLISHER_QOS, Header(frame_id="0")),
+        "sim_bridge/epoch": (LATCHED_QOS, Epoch()),
+        "ghc/tick": (CONTROL_PUBLISHER_QOS, Tick()),
         "ghc/priority_transition": (RELIABLE_QOS, PriorityTransition(hierarchy=order)),
         "ghc/task_reference": (RELIABLE_QOS, TaskReference(task="elbow", points=[point])),
         "constraints/obstacles": (

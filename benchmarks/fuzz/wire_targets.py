@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
-from ghc_controller.ros.wire.epoch import epoch_number
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
-from benchmarks.fuzz.target import ODD_FLOAT, WORD, Target, mutated
+from benchmarks.fuzz.target import ODD_FLOAT, Target, mutated
 from ghc_controller import GhcError, RobotState, load_robot
 from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.conversions.states import (
@@ -22,11 +21,11 @@ from ghc_controller.ros.conversions.states import (
     wrench_from_bytes,
 )
 from ghc_controller.ros.synchronizer import StateGate
+from ghc_controller.ros.wire.cdr import decode_tick, encode_tick
 from ghc_controller.ros.wire.joint_state import JointStateDecoder
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
 from ghc_controller.safety.plausibility import StatePlausibility
 from ghc_controller.safety.rate_anchor import RateAnchor
-from ghc_mpc_constraints.ros.conversions import header_of
 
 JOINTS = tuple(f"joint_{i}" for i in range(1, 8))
 
@@ -35,9 +34,8 @@ def joint_states() -> tuple[bytes, ...]:
     """Sound messages: all fields, none, other orders, more joints."""
     numbers = [0.1 * i for i in range(7)]
     full = JointState(name=JOINTS, position=numbers, velocity=numbers, effort=numbers)
-    full.header.frame_id = "0"
     command = JointState(name=JOINTS[::-1], effort=numbers)
-    command.header.frame_id = "3@controller.1234abcd"
+    command.header.frame_id = "controller.1234abcd"
     more = JointState(name=(*JOINTS, "gripper"), position=[0.0] * 8, velocity=[0.0] * 8)
     return tuple(bytes(serialize_message(m)) for m in (full, command, more, JointState()))
 
@@ -65,13 +63,14 @@ def read_wrench(data: bytes) -> None:
     assert np.isfinite(wrench_from_bytes(data)).all()
 
 
-def judge_stamps(case: list[tuple[int, str]]) -> None:
-    """A gate takes any stamps and epochs."""
+def judge_stamps(case: list[tuple[int, int, int]]) -> None:
+    """A gate takes any stamps, numbers of runs and starts."""
     gate: StateGate[int] = StateGate(("left",), ("plan",), 10_000_000)
-    for k, (stamp, frame) in enumerate(case):
-        gate.state(k, stamp, frame)
+    for k, (stamp, epoch, start) in enumerate(case):
+        gate.timeline.announce(epoch, start)
+        gate.state(k, stamp)
         gate.companion("left", stamp, np.zeros(6))
-        gate.plan("plan", stamp, epoch_number(frame) or 0)
+        gate.plan("plan", stamp, epoch)
         gate.missing(stamp)
         gate.timeline.expected()
 
@@ -102,9 +101,9 @@ def targets() -> tuple[Target, ...]:
     row = st.lists(st.one_of(st.floats(-3.0, 3.0), finite), min_size=7, max_size=7)
     effort = st.lists(ODD_FLOAT, min_size=7, max_size=7)
     stamp = st.one_of(st.integers(0, 2 * 10**8), st.integers(-(2**62), 2**62))
-    frame = st.one_of(st.sampled_from(["", "0", "1", "999999"]), WORD)
+    epoch = st.one_of(st.integers(0, 3), st.integers(0, 2**64 - 1))
     odometry = Odometry()
-    odometry.header.frame_id, odometry.child_frame_id = "0", "base"
+    odometry.header.frame_id, odometry.child_frame_id = "world", "base"
     odometry.pose.pose.orientation.w = 1.0
     wrench = bytes(serialize_message(WrenchStamped()))
     reject = (GhcError, ValueError)
@@ -113,8 +112,13 @@ def targets() -> tuple[Target, ...]:
         Target("joint_state_noise", st.binary(max_size=400), read_state, reject),
         Target("odometry", mutated((bytes(serialize_message(odometry)),)), read_base),
         Target("wrench", mutated((wrench,)), read_wrench),
-        Target("header", mutated((*joint_states(), wrench)), lambda d: header_of(d) and None),
-        Target("stamps", st.lists(st.tuples(stamp, frame), max_size=12), judge_stamps),
+        Target(
+            "tick",
+            mutated((encode_tick(10_000_000, 1),)),
+            lambda d: decode_tick(d) and None,
+            ValueError,
+        ),
+        Target("stamps", st.lists(st.tuples(stamp, epoch, stamp), max_size=12), judge_stamps),
         Target(
             "states",
             st.lists(st.tuples(st.floats(0.0, 1e9), row, row, effort), max_size=5),

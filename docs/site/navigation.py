@@ -45,6 +45,7 @@ NAVIGATION: dict[str, list[str]] = {
         "mpc_studies",
         "study",
         "benchmarks",
+        "peers",
         "campaign",
     ],
 }
