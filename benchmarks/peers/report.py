@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -56,6 +57,7 @@ Written by `make bench ARGS="--only peers --write-docs"`, which installs tsid {t
 {placo} from locks of their own. One control step called from Python, model update included, at the
 same recorded states (`benchmarks/peers/states/`), all sides in turn in one run: median (p99) in
 microseconds. Machine: {cpu}, {cores} cores, load {load}; the ratios matter, not the times.
+All percentiles, also of CPU time: [peers.json](bench/peers.json).
 
 {table}
 
@@ -78,7 +80,7 @@ What differs:
 
 
 def write_page(results: Mapping[str, Any], docs: Path) -> None:
-    """Write docs/peers.md and its figure."""
+    """Write docs/peers.md, its figure, and the figures of every side as JSON."""
     machine = results["machine"]
     text = _PAGE.format(
         **results["peers"],
@@ -89,4 +91,7 @@ def write_page(results: Mapping[str, Any], docs: Path) -> None:
         factor=WEIGHT_STEP,
     )
     (docs / "peers.md").write_text(text, encoding="utf-8")
+    numbers = docs / "bench" / "peers.json"
+    numbers.parent.mkdir(exist_ok=True)
+    numbers.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     plot_peers(results["rows"], docs / "figures" / "peers.png")

@@ -46,6 +46,7 @@ NAVIGATION: dict[str, list[str]] = {
         "mpc_studies",
         "study",
         "benchmarks",
+        "peers",
         "campaign",
     ],
 }

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -19,7 +21,9 @@ CASES = 60  # [-] of a target, less of files
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
-def test_nothing_undocumented_and_nothing_slow(target: Target) -> None:
+def test_nothing_undocumented(target: Target) -> None:
+    """Times are for `make fuzz`: here they would depend on the machine."""
+    target = replace(target, budget=math.inf)
     outcome = run_target(target, max(round(CASES * target.share), 4), first_seed=7)
     assert outcome.holds, table([outcome])
     assert outcome.cases >= 3
@@ -59,14 +63,15 @@ def test_a_documented_error_is_no_failure() -> None:
     assert outcome.accepted == 0
 
 
-@pytest.mark.parametrize("count", [5_000, 20_000])
-def test_a_hierarchy_of_many_names_takes_a_time_that_grows_with_their_number(count: int) -> None:
+def test_a_hierarchy_of_many_names_takes_a_time_that_grows_with_their_number() -> None:
     """It was the square: 78 ms of CPU for 3000 names, now 3 ms."""
-    text = " > ".join(f"t{i}" for i in range(count))
-    taken = []
-    for _ in range(5):
+
+    def taken(count: int) -> float:
+        text = " > ".join(f"t{i}" for i in range(count))
         begun = time.thread_time()
         with pytest.raises(UnknownName):
             matrix_from_hierarchy(["elbow"], text)
-        taken.append(time.thread_time() - begun)
-    assert min(taken) < 5e-6 * count
+        return time.thread_time() - begun
+
+    few, many = (min(taken(count) for _ in range(5)) for count in (3_000, 48_000))
+    assert many < 64.0 * few  # 16 times as many; the square would be 256
