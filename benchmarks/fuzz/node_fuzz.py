@@ -7,6 +7,7 @@ grown by no more than MEMORY_GOAL since the first wave.
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -84,6 +85,11 @@ def mutant(data: bytes, random: Random) -> bytes:
     return bytes(changed)
 
 
+def _drives_on(session: Session, answered: int) -> bool:
+    """Whether the robot is driven, 20 answers after the first `answered`."""
+    return session.answered > answered + 20 and session.driving()
+
+
 def fuzz_nodes(cases: int, seed: int, folder: Path) -> dict[str, Any]:
     """Run; figures, `holds` among them."""
     random = Random(seed)
@@ -113,9 +119,8 @@ def fuzz_nodes(cases: int, seed: int, folder: Path) -> dict[str, Any]:
                 failure = f"ended: {dead}"
                 break
             try:
-                count = session.answered
                 taken = session.until(
-                    lambda count=count: session.answered > count + 20 and session.driving(),
+                    partial(_drives_on, session, session.answered),
                     "a robot that is driven",
                     20.0,
                 )

@@ -111,7 +111,9 @@ def references(draw: st.DrawFn) -> TaskReference:
     """References of one task, sound or not."""
     message = TaskReference(task=draw(st.sampled_from(TASKS)))
     size = {"posture": 7}.get(message.task, 3)
-    row = st.one_of(st.lists(ODD_FLOAT, min_size=size, max_size=size), st.just([]), DOUBLES)
+    row: st.SearchStrategy[list[float]] = st.one_of(
+        st.lists(ODD_FLOAT, min_size=size, max_size=size), st.just([]), DOUBLES
+    )
     second = 0
     for _ in range(draw(st.integers(0, 5))):
         point = TaskReferencePoint(position=draw(row))
