@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import ghc_controller as ghc
+from ghc_controller.constraints import Constraint, Rows, Softness, Space, Tick
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.previews.limits_in_force import LimitsInForce, motion_of
 from ghc_controller.previews.preview import JOINT_LIMITS, TORQUE_LIMITS, Preview, StaleRule
@@ -125,3 +128,49 @@ def test_the_controller_obeys_and_reports_the_limits_and_forgets_them() -> None:
     controller.observe(state)
     controller.step(state)
     assert controller.report().limits == ()
+
+
+class Weather(Constraint):
+    """Bounds the acceleration of the first joint as a preview of its own kind says."""
+
+    space, softness, kind = Space.ACCELERATION, Softness.SOFT, "weather"
+    preview: Preview | None = None
+
+    def follow(self, preview: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
+        self.preview = preview
+        return ()
+
+    def is_stale(self, time: float) -> bool:
+        return self.preview is not None and self.preview.has_ended(time)
+
+    def reset(self) -> None:
+        self.preview = None
+
+    def rows(self, tick: Tick) -> Rows | None:
+        if self.preview is None:
+            return None
+        lower, upper = self.preview.at(tick.state.time)
+        return Rows(np.eye(1, 7), lower, upper, ("weather.joint_1",))
+
+
+def test_a_constraint_of_ones_own_follows_previews_of_its_kind() -> None:
+    robot = ghc.load_robot("kuka_lwr")
+    robot = replace(robot, constraints=(Weather("weather"),))
+    controller = ghc.Controller(robot, ghc.Settings.of(torque_rate_limit=0.0))
+    state = ghc.RobotState(0.0, np.zeros(7), np.zeros(7), np.zeros(7))
+    controller.start(state)
+    away = [1.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0]
+    controller.set_reference("posture", away)
+    free = controller.step(state).solution.acceleration[0]
+    assert free > 0.3
+    controller.follow(_preview([0.3] * 5, -0.3, ("joint_1",), kind="weather"))
+    assert controller.step(state).solution.acceleration[0] == pytest.approx(0.3, abs=1e-6)
+    assert controller.counts["stale_ticks"] == 0
+    controller.step(replace(state, time=1.0))
+    assert controller.counts["stale_ticks"] == 1
+    controller.reset()
+    controller.observe(state)
+    controller.set_reference("posture", away)
+    assert controller.step(state).solution.acceleration[0] == pytest.approx(free, abs=1e-6)
+    with pytest.raises(InvalidValue, match="two constraints follow previews of kind 'weather'"):
+        ghc.Controller(replace(robot, constraints=(Weather("one"), Weather("two"))))

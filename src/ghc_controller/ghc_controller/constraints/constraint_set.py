@@ -55,12 +55,19 @@ class ConstraintSet:
             in_contact: whether contact forces can act on the robot.
 
         Raises:
-            InvalidValue: two constraints share a name, or rows that cannot be served: `RowStack`.
+            InvalidValue: two constraints share a name or follow previews of one kind, or rows that
+                cannot be served: `RowStack`.
         """
         names = [constraint.name for constraint in constraints]
         for name in names:
             if names.count(name) > 1:
                 raise InvalidValue(f"constraint name '{name}' is given twice; names must differ")
+        kinds = [constraint.kind for constraint in constraints if constraint.kind]
+        for kind in kinds:
+            if kinds.count(kind) > 1:
+                raise InvalidValue(
+                    f"two constraints follow previews of kind '{kind}', one expected"
+                )
         self.constraints = tuple(constraints)
         self.planned_jerk = planned_jerk
         base = tuple(f"base_{i}" for i in range(model.nv - model.na))
