@@ -54,7 +54,7 @@ def test_a_stranger_receives_nothing_and_moves_nothing(ros_domain_id: int, tmp_p
         "publishers": 0, "readers": 0, "states": 0, "epochs": [], "reset": False,
     }  # fmt: skip
     assert seen["friend"]["states"] > 100
-    assert seen["friend"]["epochs"] == ["0"]
+    assert seen["friend"]["epochs"] == [0]
 
 
 def test_one_variable_opens_them(ros_domain_id: int, tmp_path: Path) -> None:

@@ -11,9 +11,10 @@ import sys
 import time
 
 import rclpy
+from ghc_msgs.msg import Epoch
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -29,8 +30,11 @@ def main() -> None:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     states: list[JointState] = []
+    epochs: list[Epoch] = []
     qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     node.create_subscription(JointState, "joint_states", states.append, qos)
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(Epoch, "sim_bridge/epoch", epochs.append, latched)
     commands = node.create_publisher(JointState, "joint_commands", 1) if meddles else None
     reset = node.create_client(Trigger, "sim_bridge/reset")
     answered = None
@@ -50,7 +54,7 @@ def main() -> None:
     report = {
         **found,
         "states": len(states),
-        "epochs": sorted({state.header.frame_id for state in states}),
+        "epochs": [epoch.number for epoch in epochs],
         "reset": bool(answered is not None and answered.done()),
     }
     print(json.dumps(report), flush=True)
