@@ -310,8 +310,11 @@ def test_schema_holds_every_inner_message_once() -> None:
     inner = [line for line in schema.splitlines() if line.startswith("MSG: ")]
     assert sorted(inner) == [
         "MSG: builtin_interfaces/Time",
+        "MSG: ghc_msgs/BoundInForce",
+        "MSG: ghc_msgs/ContactState",
         "MSG: ghc_msgs/NamedCount",
-        "MSG: ghc_msgs/ObstacleState",
+        "MSG: ghc_msgs/PlannedMotion",
+        "MSG: ghc_msgs/RowState",
         "MSG: ghc_msgs/TaskState",
         "MSG: std_msgs/Header",
     ]
