@@ -14,7 +14,7 @@ from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.schema.declared import Entry, flat
 from ghc_controller.schema.domains import OneOf
-from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
+from ghc_mpc_constraints.ros.parameters import generator_parameters
 from ghc_sim_bridge.parameters import (
     BridgeParameters,
     RecorderParameters,
@@ -34,8 +34,10 @@ NODES: dict[str, type] = {
     "replay": ReplayParameters,
     "viewer": ViewerParameters,
     "display_publisher": DisplayParameters,
-    "contact_force_bounds": ForceBoundParameters,
-    "obstacle_bounds": ObstacleParameters,
+    **{
+        name: generator_parameters(name)
+        for name in ("contact_forces", "obstacle_motion", "joint_limits", "torque_limits")
+    },
 }
 _TABLE = re.compile(r"(<!-- table: (\w+) (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 _FIELD = re.compile(

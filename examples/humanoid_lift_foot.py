@@ -41,7 +41,7 @@ def main() -> None:
     # The foot may carry less and less, and nothing from 3.5 s on.
     bounds = ContactForceBounds(ForceBoundSettings())
     times, lower, upper = [0.0, 1.9, 3.5], [15.0, 0.0, 0.0], [400.0, 45.0, 0.0]  # [s], [N]
-    bounds.set_schedule(ContactSchedule.checked("right_sole", times, lower, upper), 0.0)
+    bounds.observe(ContactSchedule.checked("right_sole", times, lower, upper), 0.0)
     while simulator.time < 6.0:
         controller.force_bounds.follow(bounds.tick(simulator.time))
         simulator.step(controller.step(simulator.state()).torque)

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from builtin_interfaces.msg import Time
 from ghc_msgs.msg import (
-    ContactForceBounds,
+    ConstraintPreview,
+    ConstraintPreviews,
     ContactSchedule,
     ObstacleState,
     ObstacleStateArray,
+    PlannedMotion,
     Tick,
 )
 from std_msgs.msg import Header
@@ -21,7 +23,7 @@ from benchmarks.faults.process_rows import freeze, kill_and_restart
 from benchmarks.faults.request_rows import now_of
 from benchmarks.faults.row import Bench, Limits, Row, nothing
 from benchmarks.faults.session import Session
-from ghc_controller.ros.qos import PLAN_QOS, SCHEDULE_QOS
+from ghc_controller.ros.qos import PREVIEW_QOS, SCHEDULE_QOS
 from ghc_controller.ros.time import time_from_seconds
 
 FOREVER = 2**31 - 1  # [s]
@@ -49,23 +51,35 @@ def measured(session: Session, count: int, **fields: Any) -> ObstacleStateArray:
     return message
 
 
-def planned(session: Session, **fields: Any) -> ObstacleStateArray:
+def planned(session: Session, **fields: Any) -> ConstraintPreviews:
     """What a second generator of obstacle motion would say."""
-    now = now_of(session)
-    message = measured(session, 1, **{"jerk": [0.0] * 3, **fields})
-    message.step = 0.01
-    message.valid_until = time_from_seconds(now + 1.5)
-    return message
+    entry = PlannedMotion(
+        id="ball_0",
+        protected_frame="tool",
+        position=[0.9, 0.0, 0.6],
+        normal=[-1.0, 0.0, 0.0],
+        safe_distance=0.1,
+        jerk=[0.0] * 3,
+    )
+    for name, value in fields.items():
+        setattr(entry, name, value)
+    return _previews(session, ConstraintPreview(kind="obstacle_motion", motions=[entry]))
 
 
-def bounds(session: Session, lower: float, upper: float, on: bool) -> ContactForceBounds:
+def bounds(session: Session, lower: float, upper: float, on: bool) -> ConstraintPreviews:
     """What a second generator of force bounds would say of the tool."""
-    now = now_of(session)
-    message = ContactForceBounds(step=0.01, points=151, interpolate=True, contacts=["tool"])
-    message.header = Header(stamp=time_from_seconds(now))
-    message.valid_until = time_from_seconds(now + 1.5)
+    message = ConstraintPreview(kind="contact_forces", interpolate=True, rows=["tool"])
     message.lower, message.upper = [lower] * 151, [upper] * 151
-    message.in_contact, message.conflict, message.status = [on], [False], [1]
+    message.active, message.conflict, message.status = [on], [False], [1]
+    return _previews(session, message)
+
+
+def _previews(session: Session, preview: ConstraintPreview) -> ConstraintPreviews:
+    """A message of a generator that claims the name of the one that runs."""
+    names = {"contact_forces": "contact_force_bounds", "obstacle_motion": "obstacle_bounds"}
+    preview.name, preview.step, preview.points = names[preview.kind], 0.01, 151
+    message = ConstraintPreviews(previews=[preview])
+    message.header.stamp = time_from_seconds(now_of(session))
     return message
 
 
@@ -80,11 +94,13 @@ def sensor(make: Callable[[Session], ObstacleStateArray], count: int = COUNT) ->
     return inject
 
 
-def plans(topic: str, kind: type, make: Callable[[Session], Any]) -> Any:
+def plans(make: Callable[[Session], Any]) -> Any:
     """Publish as a second generator does."""
 
     def inject(session: Session, _: np.random.Generator) -> None:
-        publisher = session.node.create_publisher(kind, topic, PLAN_QOS)
+        publisher = session.node.create_publisher(
+            ConstraintPreviews, "constraints/preview", PREVIEW_QOS
+        )
         for _k in range(COUNT):
             publisher.publish(make(session))
             session.spin(PAUSE)
@@ -119,7 +135,6 @@ def _stamped(message: ObstacleStateArray, seconds: int) -> ObstacleStateArray:
     return message
 
 
-_FORCE, _MOTION = "constraints/contact_force_bounds", "constraints/obstacle_motion"
 _NAN = float("nan")
 
 _ROWS: dict[str, Any] = {
@@ -144,17 +159,11 @@ _ROWS: dict[str, Any] = {
         schedules, partial(_schedule, contact=lambda k: f"contact_{k}")
     ),
     "malformed schedules": partial(schedules, partial(_schedule, lower=[_NAN])),
-    "second force generator: lower 1e6 N": plans(
-        _FORCE, ContactForceBounds, lambda s: bounds(s, 1e6, 2e6, True)
-    ),
-    "second force generator: lower > upper": plans(
-        _FORCE, ContactForceBounds, lambda s: bounds(s, 50.0, 10.0, False)
-    ),
-    "second motion generator: v 1e300": plans(
-        _MOTION, ObstacleStateArray, lambda s: planned(s, velocity=[1e300] * 3)
-    ),
+    "second force generator: lower 1e6 N": plans(lambda s: bounds(s, 1e6, 2e6, True)),
+    "second force generator: lower > upper": plans(lambda s: bounds(s, 50.0, 10.0, False)),
+    "second motion generator: v 1e300": plans(lambda s: planned(s, velocity=[1e300] * 3)),
     "second motion generator: obstacle in the arm": plans(
-        _MOTION, ObstacleStateArray, lambda s: planned(s, position=[0.4, 0.0, 0.5])
+        lambda s: planned(s, position=[0.4, 0.0, 0.5])
     ),
 }
 

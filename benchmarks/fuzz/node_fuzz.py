@@ -7,16 +7,19 @@ grown by no more than MEMORY_GOAL since the first wave.
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
 
 from ghc_msgs.msg import (
-    ContactForceBounds,
+    ConstraintPreview,
+    ConstraintPreviews,
     ContactSchedule,
     Epoch,
     ObstacleState,
     ObstacleStateArray,
+    PlannedMotion,
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
@@ -41,8 +44,13 @@ def originals() -> dict[str, tuple[Any, Any]]:
     obstacle = ObstacleState(id="wall", protected_frame="tool", distance=0.4, safe_distance=0.1)
     obstacle.normal[:] = [-1.0, 0.0, 0.0]
     schedule = ContactSchedule(contact="left", times=[0.0, 1.0], lower=[0.0] * 2, upper=[9.0] * 2)
-    bounds = ContactForceBounds(step=0.01, points=2, contacts=["left"], in_contact=[True])
-    bounds.lower, bounds.upper, bounds.conflict, bounds.status = [0.0] * 2, [9.0] * 2, [False], [0]
+    bounds = ConstraintPreview(kind="contact_forces", step=0.01, points=2, rows=["left"])
+    bounds.lower, bounds.upper, bounds.active = [0.0] * 2, [9.0] * 2, [True]
+    bounds.conflict, bounds.status = [False], [0]
+    motion = PlannedMotion(id="wall", protected_frame="tool", safe_distance=0.1, jerk=[0.0] * 3)
+    motion.normal[:] = [-1.0, 0.0, 0.0]
+    moving = ConstraintPreview(kind="obstacle_motion", step=0.01, points=2, motions=[motion])
+    previews = ConstraintPreviews(previews=[bounds, moving])
     point = TaskReferencePoint(position=[0.5, 0.1, 0.7])
     order = "elbow > end_effector > posture"
     return {
@@ -54,14 +62,10 @@ def originals() -> dict[str, tuple[Any, Any]]:
         "ghc/task_reference": (RELIABLE_QOS, TaskReference(task="elbow", points=[point])),
         "constraints/obstacles": (
             CONTROL_PUBLISHER_QOS,
-            ObstacleStateArray(obstacles=[obstacle], step=0.01),
-        ),
-        "constraints/obstacle_motion": (
-            CONTROL_PUBLISHER_QOS,
-            ObstacleStateArray(obstacles=[obstacle], step=0.01),
+            ObstacleStateArray(obstacles=[obstacle]),
         ),
         "constraints/contact_schedule": (SCHEDULE_QOS, schedule),
-        "constraints/contact_force_bounds": (CONTROL_PUBLISHER_QOS, bounds),
+        "constraints/preview": (CONTROL_PUBLISHER_QOS, previews),
     }
 
 
@@ -79,6 +83,11 @@ def mutant(data: bytes, random: Random) -> bytes:
         else:
             changed[at:at] = changed[at : at + random.randrange(64)]
     return bytes(changed)
+
+
+def _drives_on(session: Session, answered: int) -> bool:
+    """Whether the robot is driven, 20 answers after the first `answered`."""
+    return session.answered > answered + 20 and session.driving()
 
 
 def fuzz_nodes(cases: int, seed: int, folder: Path) -> dict[str, Any]:
@@ -110,9 +119,8 @@ def fuzz_nodes(cases: int, seed: int, folder: Path) -> dict[str, Any]:
                 failure = f"ended: {dead}"
                 break
             try:
-                count = session.answered
                 taken = session.until(
-                    lambda count=count: session.answered > count + 20 and session.driving(),
+                    partial(_drives_on, session, session.answered),
                     "a robot that is driven",
                     20.0,
                 )

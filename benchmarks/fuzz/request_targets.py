@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 from ghc_msgs.msg import (
-    ContactForceBounds,
+    ConstraintPreview,
     ContactSchedule,
     ObstacleState,
     ObstacleStateArray,
+    PlannedMotion,
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
@@ -23,19 +24,19 @@ from ghc_controller.hierarchy import (
     TransitionSchedule,
     format_hierarchy,
 )
+from ghc_controller.previews.preview import KINDS
 from ghc_controller.references.plausibility import check_plausible
-from ghc_controller.ros.conversions.previews import (
-    force_bounds_from_message,
-    obstacle_motion_from_message,
-)
+from ghc_controller.ros.conversions.previews import preview_from_message
 from ghc_controller.ros.conversions.requests import (
     event_message,
     reference_from_message,
     transition_from_message,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import preview
+from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.previews.horizon import Horizon
-from ghc_mpc_constraints.ros.conversions import measurement_from_message, schedule_from_message
+from ghc_mpc_constraints.ros.conversions import times_of
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule as Contact
+from ghc_mpc_constraints.schedules.raw_bounds import preview
 
 TASKS = ("end_effector", "elbow", "posture")
 PARTS = st.one_of(st.sampled_from([*TASKS, ">", "=", " > ", " = ", " ", ">>"]), WORD)
@@ -110,7 +111,9 @@ def references(draw: st.DrawFn) -> TaskReference:
     """References of one task, sound or not."""
     message = TaskReference(task=draw(st.sampled_from(TASKS)))
     size = {"posture": 7}.get(message.task, 3)
-    row = st.one_of(st.lists(ODD_FLOAT, min_size=size, max_size=size), st.just([]), DOUBLES)
+    row: st.SearchStrategy[list[float]] = st.one_of(
+        st.lists(ODD_FLOAT, min_size=size, max_size=size), st.just([]), DOUBLES
+    )
     second = 0
     for _ in range(draw(st.integers(0, 5))):
         point = TaskReferencePoint(position=draw(row))
@@ -161,65 +164,84 @@ def schedules(draw: st.DrawFn) -> ContactSchedule:
 
 def plan_of(message: ContactSchedule) -> None:
     """What is accepted can be looked ahead in."""
-    timed = schedule_from_message(message, ("left", "right"), 1.0)
-    bounds = preview(timed.schedule, 1.0, HORIZON)
+    start, known_from = times_of(message, 1.0)
+    (schedule,) = Contact.read(message, start, ("left", "right"))
+    bounds = preview(schedule.known_at(known_from), 1.0, HORIZON)
     assert np.isfinite(bounds.lower).all()
     assert (bounds.lower <= bounds.upper).all()
-    later = schedule_from_message(message, (), 2.0).schedule
-    timed.schedule.followed_by(later, 1.5).at(1.7)
+    (later,) = Contact.read(message, 2.0)
+    schedule.followed_by(later, 1.5).at(1.7)
 
 
 @st.composite
-def plans(draw: st.DrawFn) -> ContactForceBounds:
-    """Plans of force bounds."""
+def previews(draw: st.DrawFn) -> ConstraintPreview:
+    """Bounds of rows that a generator plans."""
     count, points = draw(st.integers(0, 3)), draw(st.integers(0, 4))
-    message = ContactForceBounds(step=draw(st.one_of(st.just(0.01), ODD_FLOAT)))
+    message = ConstraintPreview(step=draw(st.one_of(st.just(0.01), ODD_FLOAT)))
+    message.kind, message.name = draw(st.one_of(st.sampled_from(KINDS), WORD)), draw(WORD)
     message.points = draw(st.sampled_from([points, points, points, 2**32 - 1]))
+    message.interpolate = draw(st.booleans())
     sound = draw(st.booleans())
     number = st.floats(0.0, 50.0) if sound else ODD_FLOAT
     size = st.just(count * points) if sound else st.integers(0, 12)
     for field in ("lower", "upper"):
         length = draw(size)
         setattr(message, field, draw(st.lists(number, min_size=length, max_size=length)))
-    message.contacts = [f"c{i}" for i in range(count)]
-    message.in_contact = message.conflict = [True] * (count if sound else draw(st.integers(0, 4)))
+    message.rows = [f"c{i}" for i in range(count)]
+    message.active = message.conflict = [True] * (count if sound else draw(st.integers(0, 4)))
     highest = 3 if sound else 255
     message.status = draw(st.lists(st.integers(0, highest), min_size=count, max_size=count))
-    message.header.stamp.sec, message.header.stamp.nanosec = draw(STAMP)
-    message.valid_until.sec, message.valid_until.nanosec = draw(STAMP)
-    if sound:
-        message.valid_until = message.header.stamp
+    message.stale_rule = draw(st.integers(0, highest))
     return message
 
 
 @st.composite
-def obstacle_plans(draw: st.DrawFn) -> ObstacleStateArray:
-    """Plans of obstacles, or what a sensor saw."""
-    message = ObstacleStateArray(step=draw(ODD_FLOAT))
-    message.header.stamp.sec, message.header.stamp.nanosec = draw(STAMP)
-    message.valid_until.sec, message.valid_until.nanosec = draw(STAMP)
+def motions(draw: st.DrawFn) -> ConstraintPreview:
+    """Motions of obstacles that a generator plans."""
+    message = ConstraintPreview(kind="obstacle_motion")
+    message.step = draw(st.one_of(st.just(0.01), ODD_FLOAT))
+    message.points = draw(st.integers(0, 4))
     three = st.lists(ODD_FLOAT, min_size=3, max_size=3)
     for _ in range(draw(st.integers(0, 3))):
-        entry = ObstacleState(id=draw(WORD), protected_frame=draw(WORD))
+        entry = PlannedMotion(id=draw(WORD), protected_frame=draw(WORD))
         for field in ("position", "velocity", "acceleration"):
             getattr(entry, field)[:] = draw(three)
         entry.normal[:] = draw(st.one_of(st.just([1.0, 0.0, 0.0]), three))
-        entry.distance, entry.safe_distance = draw(ODD_FLOAT), draw(ODD_FLOAT)
+        entry.safe_distance = draw(ODD_FLOAT)
         entry.jerk = draw(DOUBLES)
         entry.status = draw(st.integers(0, 255))
-        message.obstacles.append(entry)
+        message.motions.append(entry)
     return message
 
 
-def read_obstacle_plan(message: ObstacleStateArray) -> None:
-    """As the controller reads a plan."""
-    obstacle_motion_from_message(message)
+def read_preview(message: ConstraintPreview) -> None:
+    """As the controller reads a preview; what is accepted has bounds at every time."""
+    found = preview_from_message(message, 1.0)
+    for time in (0.0, 1.005, 1e9):
+        assert all(bounds.shape == (len(found.rows),) for bounds in found.at(time))
+        for row in range(len(found.motions)):
+            assert np.isfinite(found.motion_at(row, min(time, 2.0))).all()
+
+
+@st.composite
+def readings(draw: st.DrawFn) -> ObstacleStateArray:
+    """What a sensor saw."""
+    message = ObstacleStateArray()
+    message.header.stamp.sec, message.header.stamp.nanosec = draw(STAMP)
+    three = st.lists(ODD_FLOAT, min_size=3, max_size=3)
+    for _ in range(draw(st.integers(0, 3))):
+        entry = ObstacleState(id=draw(WORD), protected_frame=draw(WORD))
+        entry.position[:] = draw(three)
+        entry.normal[:] = draw(st.one_of(st.just([1.0, 0.0, 0.0]), three))
+        entry.distance, entry.safe_distance = draw(ODD_FLOAT), draw(ODD_FLOAT)
+        message.obstacles.append(entry)
+    return message
 
 
 def measure(message: ObstacleStateArray) -> None:
     """As a generator reads a sensor."""
     for entry in message.obstacles:
-        measurement_from_message(entry)
+        Measurement.read(entry)
 
 
 def targets() -> tuple[Target, ...]:
@@ -241,7 +263,7 @@ def targets() -> tuple[Target, ...]:
         Target("transition_logic", st.tuples(asked, steps), follow),
         Target("task_reference", references(), refer),
         Target("contact_schedule", schedules(), plan_of),
-        Target("force_bounds_plan", plans(), lambda m: force_bounds_from_message(m) and None),
-        Target("obstacle_plan", obstacle_plans(), read_obstacle_plan),
-        Target("obstacle_reading", obstacle_plans(), measure),
+        Target("preview_of_bounds", previews(), read_preview),
+        Target("preview_of_motions", motions(), read_preview),
+        Target("obstacle_reading", readings(), measure),
     )

@@ -20,7 +20,7 @@ class Target:
 
     name: str
     cases: st.SearchStrategy[Any]
-    run: Callable[[Any], None]
+    run: Callable[[Any], object]
     documented: tuple[type[Exception], ...] = (GhcError,)
     budget: float = MESSAGE_BUDGET  # [s] of CPU per case
     share: float = 1.0  # [-] of the cases of one target; files are slow

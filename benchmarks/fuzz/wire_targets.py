@@ -116,7 +116,7 @@ def targets() -> tuple[Target, ...]:
             "tick",
             mutated((encode_tick(10_000_000, 1),)),
             lambda d: decode_tick(d) and None,
-            ValueError,
+            (ValueError,),
         ),
         Target("stamps", st.lists(st.tuples(stamp, epoch, stamp), max_size=12), judge_stamps),
         Target(

@@ -27,7 +27,7 @@ NODES: dict[str, dict[str, Any]] = {  # generator -> its parameters
     "contact_force_bounds": {},
     "obstacle_bounds": {"sensor_period": 0.1},
 }
-WAIT_FOR = "[contact_force_bounds, obstacle_motion]"
+WAIT_FOR = "[contact_forces, obstacle_motion]"
 _DEADLINE = 180.0  # [s] wall; the first start compiles the generator's kernels
 _LOOK_EVERY = Duration(seconds=1)  # wall
 _CONTACT = "tool"

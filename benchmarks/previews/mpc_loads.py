@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus
-from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus
+from ghc_controller.previews.preview import Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_mpc_constraints import (
     ContactForceBounds,
     ContactSchedule,
@@ -83,17 +83,17 @@ class ForceLoad(Load):
             lower = self._rng.uniform(0.0, 10.0, len(times)).tolist()
             upper = self._rng.uniform(20.0, 60.0, len(times)).tolist()
             schedule = ContactSchedule.checked(f"contact_{i}", times, lower, upper)
-            self._generator.set_schedule(schedule, now)
+            self._generator.observe(schedule, now)
 
-    def tick(self, now: float) -> ForceBoundsPlan:
+    def tick(self, now: float) -> Preview:
         """See Load."""
         return self._generator.tick(now)
 
-    def moves(self, plan: ForceBoundsPlan) -> bool:
+    def moves(self, plan: Preview) -> bool:
         """See Load."""
-        smoothed = all(status is PlanStatus.SMOOTHED for status in plan.status)
+        smoothed = all(status is PreviewStatus.SMOOTHED for status in plan.status)
         changes = (np.ptp(plan.upper, axis=1) > _LEAST_MOVE).all()
-        return smoothed and len(plan.contacts) == self.count and bool(changes)
+        return smoothed and len(plan.rows) == self.count and bool(changes)
 
     @property
     def second_opinions(self) -> int:
@@ -128,16 +128,16 @@ class MotionLoad(Load):
             )
         self._generator.observe(seen, now)
 
-    def tick(self, now: float) -> MotionPlan:
+    def tick(self, now: float) -> Preview:
         """See Load."""
         return self._generator.tick(now)
 
-    def moves(self, plan: MotionPlan) -> bool:
+    def moves(self, plan: Preview) -> bool:
         """See Load."""
-        return len(plan.obstacles) == self.count and all(
-            planned.status is MotionStatus.SMOOTHED
+        return len(plan.motions) == self.count and all(
+            planned.status is PreviewStatus.SMOOTHED
             and float(np.abs(planned.jerk).max()) > _LEAST_MOVE
-            for planned in plan.obstacles
+            for planned in plan.motions
         )
 
     @property

@@ -14,7 +14,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 import ghc_controller as ghc
-from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PLAN_QOS
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PREVIEW_SUBSCRIBER_QOS
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 
 STEP_NS = 10_000_000  # [ns] T: ticks at 100 Hz
@@ -40,7 +40,7 @@ class Driver(ABC):
         self._ticks = self.node.create_publisher(Tick, "ghc/tick", CONTROL_PUBLISHER_QOS)
         self._newest_ns = -1
         self._handled = 0  # contacts or obstacles of the newest plan
-        self.node.create_subscription(self.plan, self.topic, self._on_plan, PLAN_QOS)
+        self.node.create_subscription(self.plan, self.topic, self._on_plan, PREVIEW_SUBSCRIBER_QOS)
 
     @abstractmethod
     def change(self, stamp_ns: int) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from ghc_msgs.msg import ContactForceBounds, ObstacleStateArray
+from ghc_msgs.msg import ConstraintPreviews, ObstacleStateArray
 from ghc_msgs.msg import ContactSchedule as ContactScheduleMessage
 from rclpy.context import Context
 
@@ -20,8 +20,8 @@ class ForceDriver(Driver):
     """Contacts whose schedules are replaced ten times a second, in turns."""
 
     generator = "contact_force_bounds"
-    plan = ContactForceBounds
-    topic = "constraints/contact_force_bounds"
+    plan = ConstraintPreviews
+    topic = "constraints/preview"
 
     def __init__(self, context: Context) -> None:
         """See Driver."""
@@ -39,17 +39,17 @@ class ForceDriver(Driver):
         schedule = ContactSchedule.checked(f"contact_{turn % _COUNT}", times, lower, upper)
         self._schedules.publish(schedule_message(schedule))
 
-    def count_of(self, plan: ContactForceBounds) -> int:
+    def count_of(self, plan: ConstraintPreviews) -> int:
         """See Driver."""
-        return len(plan.contacts)
+        return len(plan.previews[0].rows)
 
 
 class MotionDriver(Driver):
     """Obstacles that jump at 10 Hz; now and then one is not seen, and comes again."""
 
     generator = "obstacle_bounds"
-    plan = ObstacleStateArray
-    topic = "constraints/obstacle_motion"
+    plan = ConstraintPreviews
+    topic = "constraints/preview"
 
     def __init__(self, context: Context) -> None:
         """See Driver."""
@@ -73,9 +73,9 @@ class MotionDriver(Driver):
                 message.obstacles.append(measurement_message(measurement))
         self._sensor.publish(message)
 
-    def count_of(self, plan: ObstacleStateArray) -> int:
+    def count_of(self, plan: ConstraintPreviews) -> int:
         """See Driver."""
-        return len(plan.obstacles)
+        return len(plan.previews[0].motions)
 
 
 DRIVERS: tuple[type[Driver], ...] = (ForceDriver, MotionDriver)

@@ -87,7 +87,7 @@ class StackSoak:
 
     def start(self, name: str, **parameters: object) -> None:
         """Start a node, and follow its memory from now on."""
-        self._session.start(name, **parameters)
+        self._session.start(name, "", **parameters)
         life = Life(name)
         self.lives.append(life)
         self._alive[name] = (life, self.now_ns / NANOSECONDS)

@@ -42,6 +42,7 @@ NAVIGATION: dict[str, list[str]] = {
         "task_priority",
         "rhp_hqp",
         "gn_qn",
+        "limit_previews",
         "mpc_studies",
         "study",
         "benchmarks",

@@ -1,4 +1,4 @@
-"""Installs the constraint generators: a plain Python library and two nodes."""
+"""Installs the constraint generators: a plain Python library and the node that runs them."""
 
 from setuptools import find_packages, setup
 
@@ -7,7 +7,7 @@ package_name = "ghc_mpc_constraints"
 setup(
     name=package_name,
     version="0.1.0",
-    description="Predictive generators of constraints: contact force bounds, obstacle motion",
+    description="Predictive generators of constraints: contact forces, obstacles, limits",
     license="Apache-2.0",
     maintainer="GHC control stack maintainers",
     maintainer_email="maintainers@ghc-control.example",
@@ -20,8 +20,9 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "contact_force_bounds = ghc_mpc_constraints.ros.contact_force_bounds_node:main",
-            "obstacle_bounds = ghc_mpc_constraints.ros.obstacle_bounds_node:main",
+            "generator = ghc_mpc_constraints.ros.generator_node:main",
+            "contact_force_bounds = ghc_mpc_constraints.ros.generator_node:contact_force_bounds",
+            "obstacle_bounds = ghc_mpc_constraints.ros.generator_node:obstacle_bounds",
         ]
     },
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ghc_controller.types import Array
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 
 
 def random_schedule(

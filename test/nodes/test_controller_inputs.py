@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from ghc_msgs.msg import ContactForceBounds, ControllerState
+from ghc_msgs.msg import ConstraintPreview, ConstraintPreviews, ControllerState
 from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from ghc_controller.contacts import PlanStatus
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.ros.qos import (
     CONTROL_PUBLISHER_QOS,
     CONTROL_SUBSCRIBER_QOS,
-    PLAN_QOS,
+    PREVIEW_QOS,
     STREAM_QOS,
 )
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
@@ -51,7 +51,7 @@ class Robot:
         create, listen = self.node.create_publisher, self.node.create_subscription
         self._states = create(JointState, "joint_states", CONTROL_PUBLISHER_QOS)
         self._odom = create(Odometry, "odom", CONTROL_PUBLISHER_QOS)
-        self._plans = create(ContactForceBounds, "constraints/contact_force_bounds", PLAN_QOS)
+        self._plans = create(ConstraintPreviews, "constraints/preview", PREVIEW_QOS)
         listen(JointState, "joint_commands", self._on_command, CONTROL_SUBSCRIBER_QOS)
         listen(ControllerState, "ghc/controller_state", self._on_state, STREAM_QOS)
 
@@ -85,17 +85,22 @@ class Robot:
         self._odom.publish(message)
 
     def plan(
-        self, stamp: float, *contacts: str, upper: float = 30.0, status: int = PlanStatus.RAW.value
+        self,
+        stamp: float,
+        *contacts: str,
+        upper: float = 30.0,
+        status: int = PreviewStatus.RAW.value,
     ) -> None:
         """A constant bound of each contact over two steps."""
         c = len(contacts)
-        message = ContactForceBounds(step=0.01, points=3, interpolate=True, contacts=contacts)
-        message.header.stamp = time_from_seconds(stamp)
-        message.valid_until = time_from_seconds(stamp + 0.02)
+        message = ConstraintPreview(kind="contact_forces", step=0.01, points=3, interpolate=True)
+        message.rows = list(contacts)
         message.lower, message.upper = [0.0] * 3 * c, [upper] * 3 * c
-        message.in_contact, message.conflict = [True] * c, [False] * c
+        message.active, message.conflict = [True] * c, [False] * c
         message.status = [status] * c
-        self._plans.publish(message)
+        previews = ConstraintPreviews(previews=[message])
+        previews.header.stamp = time_from_seconds(stamp)
+        self._plans.publish(previews)
 
     def answered(self, stamp: float, again: Callable[[], None]) -> None:
         """The state of a stamp is answered, after `again` (repeated, since links may lose)."""
@@ -175,9 +180,9 @@ def hopper_file(tmp_path: Path) -> Path:
 def test_a_state_waits_for_the_plan_of_its_tick(
     ros_context: Any, start_node: Callable[..., Any], arm_file: Path
 ) -> None:
-    _start(start_node, arm_file, "wait_for_bounds:=[contact_force_bounds]", "bounds_step:=0.01")
+    _start(start_node, arm_file, "wait_for_bounds:=[contact_forces]", "bounds_step:=0.01")
     robot = _arm(ros_context)
-    robot.connected(["constraints/contact_force_bounds"])
+    robot.connected(["constraints/preview"])
 
     def both(state: float, tick: float) -> Callable[[], None]:
         def send() -> None:
@@ -201,10 +206,10 @@ def test_of_a_plan_only_the_contact_that_the_robot_lacks_is_left_out(
     ros_context: Any, start_node: Callable[..., Any], arm_file: Path
 ) -> None:
     """With every plan: it is counted each time, and the log hears of it once in a while."""
-    controller = _start(start_node, arm_file, "wait_for_bounds:=[contact_force_bounds]")
+    controller = _start(start_node, arm_file, "wait_for_bounds:=[contact_forces]")
     robot = _arm(ros_context)
-    robot.connected(["constraints/contact_force_bounds"])
-    field = "constraints/contact_force_bounds.left_out"
+    robot.connected(["constraints/preview"])
+    field = "constraints/preview/contact_forces.left_out"
     for tick in range(20):
         stamp, upper = 0.01 * tick, 30.0 - tick
 
@@ -217,7 +222,7 @@ def test_of_a_plan_only_the_contact_that_the_robot_lacks_is_left_out(
         lambda: [c.upper for c in robot.state.contacts] == [11.0] and robot.rejected(field) >= 20
     )
     assert [c.name for c in robot.state.contacts if c.planned] == ["tool"]
-    assert robot.rejected("constraints/contact_force_bounds") == 0
+    assert robot.rejected("constraints/preview/contact_forces") == 0
     reason = f"{field}: unknown contact 'heel'; known: tool"
     assert 1 <= controller.output.count(reason) < 10
 
@@ -225,9 +230,9 @@ def test_of_a_plan_only_the_contact_that_the_robot_lacks_is_left_out(
 def test_a_malformed_plan_is_refused_as_a_whole_and_the_node_lives(
     ros_context: Any, start_node: Callable[..., Any], arm_file: Path
 ) -> None:
-    controller = _start(start_node, arm_file, "wait_for_bounds:=[contact_force_bounds]")
+    controller = _start(start_node, arm_file, "wait_for_bounds:=[contact_forces]")
     robot = _arm(ros_context)
-    robot.connected(["constraints/contact_force_bounds"])
+    robot.connected(["constraints/preview"])
 
     def send(stamp: float, **fields: Any) -> Callable[[], None]:
         def both() -> None:
@@ -238,7 +243,7 @@ def test_a_malformed_plan_is_refused_as_a_whole_and_the_node_lives(
 
     robot.answered(0.0, send(0.0))
     robot.answered(0.01, send(0.01, upper=5.0, status=9))
-    robot.until(lambda: robot.rejected("constraints/contact_force_bounds") > 0)
+    robot.until(lambda: robot.rejected("constraints/preview/contact_forces") > 0)
     assert [c.upper for c in robot.state.contacts] == [30.0]
     assert "status 9 given; known: 0 (SMOOTHED), 1 (RAW)" in controller.output
     robot.answered(0.02, send(0.02, upper=6.0))

@@ -94,11 +94,11 @@ def test_a_refused_schedule_ends_the_run_with_the_generators_reason(
     start_node: Callable[..., Any], tmp_path: Path
 ) -> None:
     scenario = yaml.safe_load(find_scenario("force_bound_step").read_text(encoding="utf-8"))
-    scenario["contact_schedules"][0]["bounds"][1]["upper"] = -5.0
+    scenario["generators"]["contact_force_bounds"]["contacts"] = ["hand"]
     node = _run(start_node, tmp_path, _written(tmp_path, scenario))
     assert node.exit_code == 1
-    assert "contact_force_bounds refused a contact schedule" in node.output
-    assert "upper[1] = -5 N given, 0 or more expected" in node.output
+    assert "contact_force_bounds rejected a schedule" in node.output
+    assert "unknown contact 'tool'; known: hand" in node.output
     assert "Traceback" not in node.output
 
 

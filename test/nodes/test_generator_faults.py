@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 from builtin_interfaces.msg import Time
-from ghc_msgs.msg import Epoch, ObstacleState, ObstacleStateArray, Tick
+from ghc_msgs.msg import ConstraintPreviews, Epoch, ObstacleState, ObstacleStateArray, Tick
 from rclpy.node import Node
 from std_msgs.msg import Header
 
 from benchmarks.faults.session import Session
-from ghc_controller.ros.qos import PLAN_QOS
+from ghc_controller.ros.qos import PREVIEW_QOS
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 
 FUTURE = [Time(sec=10**6), Time(sec=2**31 - 1, nanosec=999_999_999), Time(sec=-(2**31))]
@@ -24,14 +24,14 @@ class World:
 
     def __init__(self, session: Session) -> None:
         self.session = session
-        self.plans: list[ObstacleStateArray] = []
+        self.plans: list[ConstraintPreviews] = []
         self.node: Node = session.node
         self.node.create_subscription(
-            ObstacleStateArray, "constraints/obstacle_motion", self.plans.append, PLAN_QOS
+            ConstraintPreviews, "constraints/preview", self.plans.append, PREVIEW_QOS
         )
         self.now = 1.0  # [s]
 
-    def run(self, seconds: float) -> list[ObstacleStateArray]:
+    def run(self, seconds: float) -> list[ConstraintPreviews]:
         """Go on in real time; the plans that came meanwhile."""
         self.plans.clear()
         end = time.monotonic() + seconds
@@ -66,12 +66,12 @@ def world(tmp_path: Path) -> Any:
         session.start("obstacle_bounds", take_over_timeout=0.0)
         world = World(session)
         end = time.monotonic() + 60.0
-        while not (world.run(0.3) and world.plans[-1].obstacles):
+        while not (world.run(0.3) and world.plans[-1].previews[0].motions):
             assert time.monotonic() < end, session.output("obstacle_bounds")
         yield world
 
 
-def _newest(plans: list[ObstacleStateArray]) -> float:
+def _newest(plans: list[ConstraintPreviews]) -> float:
     return max(nanoseconds_from_time(plan.header.stamp) * 1e-9 for plan in plans)
 
 
@@ -86,7 +86,7 @@ def test_forged_stamps(world: World, stamp: Time) -> None:
     plans = world.run(1.0)
     assert len(plans) > 20
     assert _newest(plans) > world.now - 0.5
-    assert [entry.id for entry in plans[-1].obstacles] == ["ball_0"]
+    assert [entry.id for entry in plans[-1].previews[0].motions] == ["ball_0"]
     assert session.processes["obstacle_bounds"].exit_code is None
 
 

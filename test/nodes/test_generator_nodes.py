@@ -12,40 +12,58 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import (
-    ContactForceBounds,
+    ConstraintPreview,
+    ConstraintPreviews,
     ContactSchedule,
     ContactState,
     ControllerState,
     Epoch,
     ObstacleState,
     ObstacleStateArray,
+    PlannedMotion,
     Tick,
 )
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from ghc_controller.ros.conversions.previews import (
-    force_bounds_from_message,
-    obstacle_motion_from_message,
-)
+from ghc_controller.previews.preview import Preview
+from ghc_controller.ros.conversions.previews import preview_from_message
 from ghc_controller.ros.qos import (
     CONTROL_PUBLISHER_QOS,
     LATCHED_QOS,
-    PLAN_QOS,
+    PREVIEW_QOS,
     SCHEDULE_QOS,
     SENSOR_PUBLISHER_QOS,
     STREAM_QOS,
 )
-from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
+from ghc_controller.ros.time import nanoseconds_from_time, seconds_from_time, time_from_seconds
 from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
-from ghc_mpc_constraints.force_bounds import contact_schedule
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import ContactForceBounds as Generator
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
+from ghc_mpc_constraints.generators.contact_forces import ContactForceBounds as Generator
+from ghc_mpc_constraints.generators.contact_forces import ForceBoundSettings
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.ros.conversions import measurement_message, schedule_message
+from ghc_mpc_constraints.schedules import contact_schedule
 
 DEADLINE = 90.0  # [s] wall, for anything that must happen
 STEP = 0.01  # [s]
+
+
+class Planned:
+    """A message of one preview; its fields stand for those of the preview."""
+
+    def __init__(self, message: ConstraintPreviews) -> None:
+        self.message, self.header = message, message.header
+        (self.preview,) = message.previews
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.preview, name)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Planned) and self.message == other.message
+
+    def value(self) -> Preview:
+        """The preview as the controller takes it."""
+        return preview_from_message(self.preview, seconds_from_time(self.header.stamp))
 
 
 class Surroundings:
@@ -56,7 +74,7 @@ class Surroundings:
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
         self.reports = 0  # diagnostics that came
-        self.plans: list[Any] = []  # ContactForceBounds or ObstacleStateArray
+        self.plans: list[Planned] = []
         self.diagnostics: dict[str, str] = {}
         self.epoch = 0
         create, listen = self.node.create_publisher, self.node.create_subscription
@@ -65,9 +83,11 @@ class Surroundings:
         self.schedules = create(ContactSchedule, "constraints/contact_schedule", SCHEDULE_QOS)
         self.sensor = create(ObstacleStateArray, "constraints/obstacles", SENSOR_PUBLISHER_QOS)
         self.controller = create(ControllerState, "ghc/controller_state", STREAM_QOS)
-        keep = self.plans.append
-        listen(ContactForceBounds, "constraints/contact_force_bounds", keep, PLAN_QOS)
-        listen(ObstacleStateArray, "constraints/obstacle_motion", keep, PLAN_QOS)
+
+        def keep(message: ConstraintPreviews) -> None:
+            self.plans.append(Planned(message))
+
+        listen(ConstraintPreviews, "constraints/preview", keep, PREVIEW_QOS)
         listen(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
@@ -110,7 +130,8 @@ class Surroundings:
 
         def answered() -> bool:
             return any(
-                nanoseconds_from_time(plan.header.stamp) == wanted and plan.epoch == self.epoch
+                nanoseconds_from_time(plan.header.stamp) == wanted
+                and plan.message.epoch == self.epoch
                 for plan in self.plans[count:]
             )
 
@@ -162,9 +183,7 @@ def start(world: Surroundings, start_node: Callable[..., Any]) -> Callable[..., 
                 world.ticks.get_subscription_count() > 0
                 and topic.get_subscription_count() > 0
                 and world.controller.get_subscription_count() > 0
-                and world.node.count_publishers("constraints/contact_force_bounds")
-                + world.node.count_publishers("constraints/obstacle_motion")
-                > 0
+                and world.node.count_publishers("constraints/preview") > 0
             )
         )
         return node
@@ -185,17 +204,17 @@ def _foot(times: list[float], upper: list[float]) -> contact_schedule.ContactSch
 def test_a_plan_for_every_tick_equal_to_the_library(world: Surroundings, start: Any) -> None:
     """40 ticks through a drop: bit for bit what the generator gives in this process."""
     start("contact_force_bounds", horizon=0.5, lockstep="true")
-    assert world.tick(0.0).contacts == []
+    assert world.tick(0.0).rows == []
     world.schedule([0.0, 0.3], [50.0, 0.0])
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
+    world.until(lambda: world.plans[-1].rows == ["foot"], lambda: world.announce(0.0))
     generator = Generator(ForceBoundSettings(horizon=0.5))
-    generator.set_schedule(_foot([1e-9, 0.3 + 1e-9], [50.0, 0.0]), 0.0)
+    generator.observe(_foot([1e-9, 0.3 + 1e-9], [50.0, 0.0]), 0.0)
     for k in range(40):
-        plan = force_bounds_from_message(world.tick(k * STEP))
+        plan = world.tick(k * STEP).value()
         expected = generator.tick(k * STEP)
         assert np.array_equal(plan.upper, expected.upper)
         assert np.array_equal(plan.lower, expected.lower)
-        assert plan.in_contact == (k < 30,)
+        assert plan.active == (k < 30,)
         assert plan.valid_until == pytest.approx(k * STEP + 0.5)
 
 
@@ -205,7 +224,7 @@ def test_a_repeated_tick_gets_the_same_plan_and_others_none(
     start("contact_force_bounds", horizon=0.5)
     world.schedule([0.0, 0.3], [50.0, 20.0])
     world.tick(0.0)
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
+    world.until(lambda: world.plans[-1].rows == ["foot"], lambda: world.announce(0.0))
     first = world.tick(0.01)
     assert world.tick(0.01) == first
     world.announce(0.015)
@@ -215,7 +234,7 @@ def test_a_repeated_tick_gets_the_same_plan_and_others_none(
     world.announce(0.037)  # the tick of 0.03 was missed: it is made up for
     world.until(lambda: nanoseconds_from_time(world.plans[-1].header.stamp) == 30_000_000)
     world.epoch = 1  # the robot starts again
-    assert world.tick(0.0).contacts == []
+    assert world.tick(0.0).rows == []
 
 
 BAD: list[tuple[dict[str, Any], str]] = [
@@ -234,7 +253,7 @@ def test_bad_schedules_are_refused_and_the_plan_stays(world: Surroundings, start
     node = start("contact_force_bounds", horizon=0.5, lockstep="true", contacts="[foot]")
     world.tick(0.0)
     world.schedule([0.0], [37.0])
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
+    world.until(lambda: world.plans[-1].rows == ["foot"], lambda: world.announce(0.0))
     world.tick(0.05)
     for number, (fields, reason) in enumerate(BAD):
         world.spin(1.05)  # at most one warning a second
@@ -255,7 +274,7 @@ def test_a_schedule_is_used_from_the_time_at_which_it_is_known(
     world.tick(0.0)
     world.schedule([0.0], [40.0])
     world.schedule([0.3], [10.0], known_from=time_from_seconds(0.1))
-    world.until(lambda: world.plans[-1].contacts == ["foot"], lambda: world.announce(0.0))
+    world.until(lambda: world.plans[-1].rows == ["foot"], lambda: world.announce(0.0))
     last = [world.tick(k * STEP).upper[-1] for k in range(12)]
     assert last[:10] == [40.0] * 10
     assert last[10:] == [10.0] * 2
@@ -278,11 +297,11 @@ def test_every_run_is_planned_alike_and_stale_schedules_are_refused(
         known = time_from_seconds(began + 0.15)
         world.schedule([0.0, 0.1, 0.2], [40.0, 0.0, 40.0], stamp=stamp)
         world.schedule([0.25], [10.0], stamp=stamp, known_from=known)
-        world.until(lambda: world.plans[-1].contacts == ["foot"], partial(world.announce, began))
+        world.until(lambda: world.plans[-1].rows == ["foot"], partial(world.announce, began))
         runs.append([world.tick(began + k * STEP) for k in range(30)])
     for first, *others in zip(*runs, strict=True):
         for other in others:
-            assert list(other.in_contact) == list(first.in_contact)
+            assert list(other.active) == list(first.active)
             np.testing.assert_allclose(other.lower, first.lower, atol=1e-9)
             np.testing.assert_allclose(other.upper, first.upper, rtol=1e-9, atol=1e-9)
     assert runs[2][0].upper[0] == 40.0
@@ -298,9 +317,9 @@ def test_a_restarted_generator_takes_over_from_the_bound_in_force(
     """Killed at 0.2 s while the bound moves; the next one goes on where the controller is."""
     node = start("contact_force_bounds", horizon=0.5)
     world.schedule([0.0, 0.3], [50.0, 0.0])
-    world.until(lambda: world.tick(0.0).contacts == ["foot"])
+    world.until(lambda: world.tick(0.0).rows == ["foot"])
     for k in range(21):
-        plan = force_bounds_from_message(world.tick(k * STEP))
+        plan = world.tick(k * STEP).value()
     node.send(signal.SIGKILL)
     node.wait()
     start("contact_force_bounds", horizon=0.5, take_over_timeout=10.0)
@@ -337,14 +356,14 @@ def test_a_contact_that_nobody_schedules_any_more_stays_as_it_is(
     start("contact_force_bounds", horizon=0.5, take_over_timeout=1.0)
     in_force = _bounded(0.0, 20.0)
     plan = world.tick(5.0, lambda: world.controller.publish(in_force))
-    assert plan.contacts == ["foot"]
+    assert plan.rows == ["foot"]
     assert set(plan.upper) == {20.0}
 
 
 def test_without_a_controller_it_starts_from_raw(world: Surroundings, start: Any) -> None:
     start("contact_force_bounds", horizon=0.5, take_over_timeout=0.2)
     world.schedule([0.0], [50.0])
-    world.until(lambda: world.tick(3.0).contacts == ["foot"])
+    world.until(lambda: world.tick(3.0).rows == ["foot"])
     assert world.plans[-1].upper[0] == 50.0
 
 
@@ -352,12 +371,12 @@ def test_without_a_controller_it_starts_from_raw(world: Surroundings, start: Any
 def test_smoothing_off_passes_through(world: Surroundings, start: Any, executor: str) -> None:
     start("contact_force_bounds", horizon=0.5, smoothing="false", executor=executor)
     world.schedule([0.0, 0.05], [50.0, 5.0])
-    world.until(lambda: world.tick(0.0).contacts == ["foot"])
+    world.until(lambda: world.tick(0.0).rows == ["foot"])
     for k in range(10):
         plan = world.tick(k * STEP)
         assert not plan.interpolate
         assert plan.upper[0] == (50.0 if k < 5 else 5.0)
-        assert plan.status[0] == ContactForceBounds.RAW
+        assert plan.status[0] == ConstraintPreview.RAW
 
 
 def test_obstacles_from_sensor_to_motion(world: Surroundings, start: Any) -> None:
@@ -368,9 +387,9 @@ def test_obstacles_from_sensor_to_motion(world: Surroundings, start: Any) -> Non
     heard = world.reports
     world.until(lambda: world.reports >= heard + 2)  # it was at work since: a plan would be here
     assert world.plans == []
-    assert world.tick(0.0, lambda: world.sense(0.0)).obstacles == []
+    assert world.tick(0.0, lambda: world.sense(0.0)).motions == []
     for k in range(1, 10):
-        assert world.tick(k * STEP).obstacles == []
+        assert world.tick(k * STEP).motions == []
     distances = []
     for k in range(10, 160):
         seen = [0.25] if k < 80 else []
@@ -378,8 +397,8 @@ def test_obstacles_from_sensor_to_motion(world: Surroundings, start: Any) -> Non
         def sense(now: float = k * STEP, seen: tuple[float, ...] = tuple(seen)) -> None:
             world.sense(now, *seen)
 
-        plan = obstacle_motion_from_message(world.tick(k * STEP, None if k % 10 else sense))
-        distances.append(plan.obstacles[0].state[0, 0] if plan.obstacles else np.inf)
+        plan = world.tick(k * STEP, None if k % 10 else sense).value()
+        distances.append(plan.motions[0].state[0, 0] if plan.motions else np.inf)
     assert distances[0] == pytest.approx(0.45)
     assert distances[35] <= 0.25 + 1e-8  # 0.3 s of reaction time at least
     assert np.abs(np.diff(distances[:70])).max() < 0.03
@@ -389,7 +408,7 @@ def test_obstacles_from_sensor_to_motion(world: Surroundings, start: Any) -> Non
 def test_a_bad_obstacle_is_left_out_with_a_reason(world: Surroundings, start: Any) -> None:
     """Its neighbours go on; itself it stays where it was."""
     node = start("obstacle_bounds", horizon=0.5)
-    world.until(lambda: len(world.tick(0.0).obstacles) == 2, lambda: world.sense(0.0, 0.3, 0.35))
+    world.until(lambda: len(world.tick(0.0).motions) == 2, lambda: world.sense(0.0, 0.3, 0.35))
     message = ObstacleStateArray()
     message.header.stamp = time_from_seconds(0.1)
     bad = ObstacleState(id="box_0", protected_frame="tool", safe_distance=0.4, distance=0.3)
@@ -399,7 +418,7 @@ def test_a_bad_obstacle_is_left_out_with_a_reason(world: Surroundings, start: An
     message.obstacles = [bad, good]
     world.sensor.publish(message)
     node.wait_for_output("obstacle 'box_0': normal of length 0 given, 1 expected")
-    assert [o.id for o in world.tick(0.1).obstacles] == ["box_0", "box_1"]
+    assert [o.id for o in world.tick(0.1).motions] == ["box_0", "box_1"]
     world.until(lambda: world.diagnostics.get("rejected_constraints/obstacles") == "1")
 
 
@@ -407,7 +426,7 @@ def test_a_restarted_generator_takes_over_the_motion_in_force(
     world: Surroundings, start: Any
 ) -> None:
     start("obstacle_bounds", horizon=0.5, sensor_period=0.1)
-    entry = ObstacleState(id="box_0")
+    entry = PlannedMotion(id="box_0")
     entry.position[:], entry.velocity[:] = [0.33, 0.0, 0.0], [-0.1, 0.0, 0.0]
     in_force = ControllerState(obstacles=[entry])
 
@@ -416,8 +435,8 @@ def test_a_restarted_generator_takes_over_the_motion_in_force(
         world.sense(2.0, 0.25)
 
     plan = world.tick(2.0, feed)
-    assert list(plan.obstacles[0].position) == pytest.approx([0.33, 0.0, 0.0])
-    assert list(plan.obstacles[0].velocity) == pytest.approx([-0.1, 0.0, 0.0])
+    assert list(plan.motions[0].position) == pytest.approx([0.33, 0.0, 0.0])
+    assert list(plan.motions[0].velocity) == pytest.approx([-0.1, 0.0, 0.0])
 
 
 @pytest.mark.parametrize(

@@ -20,8 +20,8 @@ from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.ros.qos import SCHEDULE_QOS, STREAM_QOS
 from ghc_controller.ros.time import nanoseconds_from_time
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule as Schedule
 from ghc_mpc_constraints.ros.conversions import schedule_message
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule as Schedule
 
 DEADLINE = 90.0  # [s] wall, for anything that must happen
 RATE_LIMIT = 1000.0  # [Nm/s], at a control period of 1 ms: 1 Nm per period
@@ -107,9 +107,9 @@ def test_a_killed_generator_leaves_a_safe_bound_and_a_new_one_goes_on_from_it(
     killed_at = client.bounds[-1][0]
     generator.send(signal.SIGKILL)
     generator.wait()
-    client.until(lambda: "contact_force_bounds: last plan" in client.summary)
+    client.until(lambda: "contact_forces: last one" in client.summary)
     restarted = start_node("ghc_mpc_constraints", "contact_force_bounds")
-    client.until(lambda: "contact_force_bounds" not in client.summary)
+    client.until(lambda: "contact_forces" not in client.summary)
     again = client.bounds[-1][0] + 1.0
     client.schedule([0.0, drop, again], [HIGH, LOW, HIGH])
     client.until(lambda: client.bounds[-1][1] > HIGH - 1.0)

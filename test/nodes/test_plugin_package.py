@@ -12,6 +12,7 @@ import pytest
 from bridge_client import BridgeClient
 from ghc_msgs.msg import ControllerState
 from plugin_install import install_plugin, on_python_path
+from sensor_msgs.msg import JointState
 
 from ghc_controller.ros.qos import STREAM_QOS
 from ghc_controller.ros.time import nanoseconds_from_time
@@ -200,3 +201,46 @@ def test_a_package_that_cannot_be_imported_is_named(
         "ghc_controller", "controller", *_parameters(robot=ROBOT, formulation=FORMULATION)
     )
     node.wait_for_output("ready", 300.0)
+
+
+def test_the_generator_node_runs_its_generator_and_the_controller_follows_it(
+    plugin: Path, start_node: Callable[..., Any], listener: Listener
+) -> None:
+    """A message of another package in, torque limits that move in force: no code names them."""
+    controller = start_node(
+        "ghc_controller",
+        "controller",
+        *_parameters(robot=ROBOT, arming="automatic"),
+    )
+    generator = start_node(
+        "ghc_mpc_constraints",
+        "generator",
+        *_parameters(generator="planar_plugin_derating", rate=1.0, take_over_timeout=0.0),
+    )
+    generator.wait_for_output("ready", 300.0)
+    controller.wait_for_output("ready", 300.0)
+    start_node(
+        "ghc_sim_bridge",
+        "sim_bridge",
+        *_parameters(scene=SCENE, mode="realtime", torque_rate_limit=0.0),
+    )
+    joint = "shoulder"
+    publisher = listener.node.create_publisher(JointState, "constraints/derating", 1)
+
+    def limits() -> list[float]:
+        return [b.upper for r in listener.reports for b in r.bounds if b.row == joint]
+
+    def until(limit: float) -> None:
+        message = JointState(name=[joint, "nobody"], effort=[limit, 1.0])
+
+        def sent_and_seen() -> bool:
+            publisher.publish(message)
+            return bool(limits()) and abs(limits()[-1] - limit) < 1e-6
+
+        listener.until(sent_and_seen, f"a limit of {limit} Nm")
+
+    until(2.0)
+    until(1.5)
+    steps = np.diff(limits())
+    assert np.abs(steps).max() < 0.1, "at 1 Nm/s, not at once"
+    listener.until(lambda: "unknown joint 'nobody'" in controller.output, "the warning")

@@ -26,7 +26,7 @@ from benchmarks.steps.tables import loop_table
 from benchmarks.steps.timed_controller import PARTS
 from ghc_controller.ros.qos import STREAM_QOS
 from ghc_controller.ros.time import nanoseconds_from_time
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
@@ -197,7 +197,7 @@ def test_the_loop_with_generators_uses_their_plans(ros_context: Any, tmp_path: P
     node.destroy_node()
     assert [c.name for c in states[-1].contacts if c.planned] == ["tool"]
     generator = ContactForceBounds(ForceBoundSettings())
-    generator.set_schedule(loop_generators.schedule(), 0.0)  # known before time runs
+    generator.observe(loop_generators.schedule(), 0.0)  # known before time runs
     ticks = round(nanoseconds_from_time(states[-1].header.stamp) / 1e7)
     assert 100 < ticks <= 130
     plans = [generator.tick(0.01 * k) for k in range(ticks + 1)]

@@ -51,7 +51,11 @@ def _own_parts(message: str) -> set[str]:
     """Messages that a message is made of, in the documents so far."""
     text = (MESSAGES / f"{message}.msg").read_text(encoding="utf-8")
     return set(
-        re.findall(r"^(?:ghc_msgs/)?(Task\w+|NamedCount|ObstacleState)\[\]", text, re.MULTILINE)
+        re.findall(
+            r"^(?:ghc_msgs/)?(Task\w+|NamedCount|ObstacleState|ConstraintPreview|PlannedMotion|BoundInForce)\[\]",
+            text,
+            re.MULTILINE,
+        )
     )
 
 
@@ -75,8 +79,9 @@ def test_topics_and_services_are_those_of_running_nodes(
     start_node("ghc_controller", "controller", "--ros-args", "-p", "robot:=kuka_lwr", *mirror)
     start_node("ghc_controller", "reachable_targets", "--ros-args", "-p", "robot:=kuka_lwr")
     start_node("ghc_sim_bridge", "display_publisher", "--ros-args", "-p", "robot:=kuka_lwr")
-    for generator in ("contact_force_bounds", "obstacle_bounds"):
-        start_node("ghc_mpc_constraints", generator)
+    for generator in ("contact_forces", "obstacle_motion", "joint_limits", "torque_limits"):
+        chosen = ("--ros-args", "-p", f"generator:={generator}")
+        start_node("ghc_mpc_constraints", "generator", *chosen)
     node = Node("reader", context=ros_context)
     topics = {
         "/" + _named(row[0]).lstrip("/"): (row[1], _qos(row[3]))

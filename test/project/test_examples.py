@@ -21,7 +21,16 @@ PRINTS = {
     "arm_own_task": ["error of the distance: 0.0"],
     "arm_swap_priorities": ["t = 8 s: {'end_effector': 0.31", "Nm/s at a period of 1 ms"],
     "compare_formulations": [f"{name} " for name in ghc.FORMULATIONS],
+    "force_bounds_preview": ["t = 1.0 s: raw 20 N, in force 20.0 N", "never looser than raw"],
     "humanoid_lift_foot": ["t = 2 s: foot at 0.010 m", "t = 6 s: foot at 0.060 m,   0.0 N"],
+    "obstacle_preview": [
+        "t = 1.5 s: wall at 0.60 m, for the controller at 0.61",
+        "hand at 0.500 m",
+    ],
+    "own_generator": [
+        "t = 1.5 s: limit 0.950 rad, joint 0.94",
+        "limit 0.800 rad, joint 0.800 rad",
+    ],
     "own_robot_in_python": ["mine: 7 joints", "SOLVED"],
 }
 

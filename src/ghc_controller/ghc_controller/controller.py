@@ -21,6 +21,7 @@ from ghc_controller.contacts import (
 )
 from ghc_controller.control.requests import Requests
 from ghc_controller.control.status import StatusReports
+from ghc_controller.errors import UnknownName
 from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy import (
     Solvability,
@@ -30,6 +31,8 @@ from ghc_controller.hierarchy import (
     matrix_from_hierarchy,
     smallest_singular_value,
 )
+from ghc_controller.previews.follower import Follower
+from ghc_controller.previews.preview import TORQUE_LIMITS, Preview
 from ghc_controller.problem.control_problem import ContactRows, ControlProblem
 from ghc_controller.problem.reduction import kept_by_contacts
 from ghc_controller.qp import make_solver
@@ -74,6 +77,8 @@ class Controller(Requests, StatusReports):
         self.force_bounds = BoundsInForce(robot.contacts)
         self.sensing = ContactSensing(robot.contacts, self.force_bounds)
         self.obstacles = self.constraints.one_of(ObstacleDistance)
+        followers: list[Follower] = [self.force_bounds, *self.constraints.following]
+        self._followers = {one.kind: one for one in followers}
         self.force_references = ReferenceSchedule(
             [contact.force_task for contact in robot.contacts if contact.force_task is not None]
         )
@@ -133,6 +138,29 @@ class Controller(Requests, StatusReports):
         self._contact_rows_seen = None
         self._events.clear()
 
+    @property
+    def preview_kinds(self) -> tuple[str, ...]:
+        """Kinds of previews that a constraint of this controller follows."""
+        return tuple(self._followers)
+
+    def follow(self, preview: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
+        """Let the constraint of that kind follow a preview.
+
+        Args:
+            preview: what a generator planned.
+            now: [s] from when on it is followed; None = from its start.
+
+        Returns:
+            What is wrong with each row that was left out; empty when none was.
+
+        Raises:
+            UnknownName: no constraint follows this kind.
+            InvalidValue: bounds that robot.yaml does not allow; the preview before stays.
+        """
+        if preview.kind not in self._followers:
+            raise UnknownName("kind of preview", preview.kind, self._followers)
+        return self._followers[preview.kind].follow(preview, now)
+
     def observe(self, state: RobotState) -> None:
         """Look at a state without answering it: requests are judged at its configuration."""
         self._time = state.time
@@ -178,7 +206,10 @@ class Controller(Requests, StatusReports):
         status = StepStatus.after(solution.status)
         if status is StepStatus.FALLBACK:
             torque = braking_torque(
-                dynamics, state.v, model.torque_limit, contact_rows=limits.contact_rows
+                dynamics,
+                state.v,
+                self._braking_limit(state.time),
+                contact_rows=limits.contact_rows,
             )
         else:
             torque = solution.torque
@@ -235,8 +266,18 @@ class Controller(Requests, StatusReports):
         before = self._rate_anchor(dynamics, state)
         self.contacts.begin(state.time)
         rows = self._contact_rows(self.force_bounds.at(state.time), state.time)
-        torque = braking_torque(dynamics, state.v, self.model.torque_limit, contact_rows=rows)
+        limit = self._braking_limit(state.time)
+        torque = braking_torque(dynamics, state.v, limit, contact_rows=rows)
         return self._gated(torque, before, dynamics, state).torque
+
+    def _braking_limit(self, time: float) -> Array:
+        """Torque (a,) [Nm] that braking may use: of the robot, or of a preview where tighter."""
+        limit = self.model.torque_limit
+        for limits in self.constraints.limits:
+            if limits.kind == TORQUE_LIMITS and limits.planned:
+                now = limits.at(time)
+                limit = np.minimum(limit, np.minimum(now.upper, -now.lower))
+        return limit
 
     def _begin_references(self) -> None:
         if not self.references.has_begun:

@@ -111,7 +111,8 @@ class Settings:
 
 @register_constraint("torque_limit")
 def _torque_limit(robot: Robot, _: Settings) -> Constraint:
-    return TorqueLimit(robot.model.limits.torque, robot.model.na)
+    model = robot.model
+    return TorqueLimit(model.limits.torque, model.na, follows=model.joint_names)
 
 
 @register_constraint("torque_bound")
@@ -134,7 +135,10 @@ def _joint_position(robot: Robot, settings: Settings) -> Constraint | None:
         return None
     limits = robot.model.limits
     return JointPositionLimit(
-        limits.position_lower, limits.position_upper, robot.brake_acceleration
+        limits.position_lower,
+        limits.position_upper,
+        robot.brake_acceleration,
+        joints=robot.model.joint_names,
     )
 
 

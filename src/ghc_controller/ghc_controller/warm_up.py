@@ -14,8 +14,9 @@ from ghc_controller.hierarchy import Solvability, TransitionSchedule
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.ramp import PacedPriorities, Ramp
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus
-from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
+from ghc_controller.previews.motion import PlannedMotion
+from ghc_controller.previews.preview import CONTACT_FORCES, Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepResult
@@ -97,24 +98,23 @@ def _relax(controller: Controller, problem: ControlProblem) -> None:
     counts.update(before)
 
 
-def _plan(contacts: tuple[str, ...], on: bool) -> ForceBoundsPlan:
+def _plan(contacts: tuple[str, ...], on: bool) -> Preview:
     c = len(contacts)
     lower, upper = np.zeros((c, 2)), np.full((c, 2), 1e3)
     flags = (on,) * c
-    return ForceBoundsPlan(
-        0.0, 1.0, contacts, lower, upper, flags, (PlanStatus.RAW,) * c, (False,) * c, False
-    )
+    status, none = (PreviewStatus.RAW,) * c, (False,) * c
+    return Preview(CONTACT_FORCES, 0.0, 1.0, contacts, lower, upper, flags, status, none, False)
 
 
-def _obstacle(model: RobotModel) -> MotionPlan:
+def _obstacle(model: RobotModel) -> Preview:
     """An obstacle that moves, far from the last frame: its row is there and not active."""
     frame = model.frame_names[-1]
     state, normal = np.zeros((3, 3)), np.array([0.0, 0.0, 1.0])
     state[0] = model.frame_position(model.frame_id(frame)) - 10.0 * normal
-    obstacle = PlannedObstacle(
-        "warm_up", frame, 0.1, normal, state, np.zeros((2, 3)), MotionStatus.SMOOTHED
+    obstacle = PlannedMotion(
+        "warm_up", frame, 0.1, normal, state, np.zeros((2, 3)), PreviewStatus.SMOOTHED
     )
-    return MotionPlan(0.0, 0.4, 2, (obstacle,))
+    return Preview.of_motions(0.0, 0.4, 2, (obstacle,))
 
 
 def _moving_reference(task: Task, model: RobotModel) -> ReferenceTrajectory:

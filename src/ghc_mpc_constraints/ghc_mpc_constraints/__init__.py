@@ -10,23 +10,55 @@ from typing import TYPE_CHECKING
 from ghc_controller.migration.public_names import load_name
 
 if TYPE_CHECKING:
-    from ghc_mpc_constraints.force_bounds import contact_force_bounds, contact_schedule
-    from ghc_mpc_constraints.obstacle_motion import measurement, obstacle_bounds
+    from ghc_mpc_constraints import bounds_generator, generator
+    from ghc_mpc_constraints.generators import (
+        contact_forces,
+        joint_limits,
+        obstacle_motion,
+        torque_limits,
+    )
+    from ghc_mpc_constraints.obstacle_motion import measurement
+    from ghc_mpc_constraints.previews import horizon
+    from ghc_mpc_constraints.schedules import contact_schedule, limit_schedule
 
-    ContactForceBounds = contact_force_bounds.ContactForceBounds
+    BoundsGenerator = bounds_generator.BoundsGenerator
+    ContactForceBounds = contact_forces.ContactForceBounds
     ContactSchedule = contact_schedule.ContactSchedule
-    ForceBoundSettings = contact_force_bounds.ForceBoundSettings
+    ForceBoundSettings = contact_forces.ForceBoundSettings
+    Generator = generator.Generator
+    Horizon = horizon.Horizon
+    JointLimits = joint_limits.JointLimits
+    JointLimitSettings = joint_limits.JointLimitSettings
+    LimitSchedule = limit_schedule.LimitSchedule
     Measurement = measurement.Measurement
-    ObstacleBounds = obstacle_bounds.ObstacleBounds
-    ObstacleSettings = obstacle_bounds.ObstacleSettings
+    Measurements = obstacle_motion.Measurements
+    ObstacleBounds = obstacle_motion.ObstacleBounds
+    ObstacleSettings = obstacle_motion.ObstacleSettings
+    Schedules = generator.Schedules
+    Sensor = generator.Sensor
+    TorqueLimits = torque_limits.TorqueLimits
+    TorqueLimitSettings = torque_limits.TorqueLimitSettings
+    register_generator = generator.register_generator
 
 _HOMES = {
-    "ContactForceBounds": "force_bounds.contact_force_bounds",
-    "ContactSchedule": "force_bounds.contact_schedule",
-    "ForceBoundSettings": "force_bounds.contact_force_bounds",
+    "BoundsGenerator": "bounds_generator",
+    "ContactForceBounds": "generators.contact_forces",
+    "ContactSchedule": "schedules.contact_schedule",
+    "ForceBoundSettings": "generators.contact_forces",
+    "Generator": "generator",
+    "Horizon": "previews.horizon",
+    "JointLimitSettings": "generators.joint_limits",
+    "JointLimits": "generators.joint_limits",
+    "LimitSchedule": "schedules.limit_schedule",
     "Measurement": "obstacle_motion.measurement",
-    "ObstacleBounds": "obstacle_motion.obstacle_bounds",
-    "ObstacleSettings": "obstacle_motion.obstacle_bounds",
+    "Measurements": "generators.obstacle_motion",
+    "ObstacleBounds": "generators.obstacle_motion",
+    "ObstacleSettings": "generators.obstacle_motion",
+    "Schedules": "generator",
+    "Sensor": "generator",
+    "TorqueLimitSettings": "generators.torque_limits",
+    "TorqueLimits": "generators.torque_limits",
+    "register_generator": "generator",
 }
 __all__ = [*_HOMES]
 

@@ -6,17 +6,14 @@ a second, without it some ten seconds.
 
 from __future__ import annotations
 
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
-    ContactForceBounds,
-    ForceBoundSettings,
-)
-from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, ObstacleSettings
+from ghc_mpc_constraints.generator import GENERATORS
 
 
 def main() -> None:
-    """Make one generator of each kind."""
-    ContactForceBounds(ForceBoundSettings())
-    ObstacleBounds(ObstacleSettings())
+    """Make one generator of each kind of this package."""
+    for name in GENERATORS.built_in:
+        kind = GENERATORS[name]
+        kind(kind.settings_type())
 
 
 if __name__ == "__main__":

@@ -22,7 +22,9 @@ from ghc_controller.constraints import (
 from ghc_controller.constraints.obstacle import ObstacleDistance
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
+from ghc_controller.previews.motion import PlannedMotion
+from ghc_controller.previews.preview import Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array, RobotState
 
 DT = 1e-3  # [s]
@@ -166,15 +168,15 @@ def test_names_must_differ() -> None:
         ConstraintSet([TorqueLimit(1.0, 7), TorqueLimit(2.0, 7)], model)
 
 
-def _obstacles(*frames: str) -> MotionPlan:
+def _obstacles(*frames: str) -> Preview:
     """An obstacle at rest for each frame, at heights of 1 m, 2 m and so on."""
     obstacles = []
     for k, frame in enumerate(frames, start=1):
         state = np.zeros((3, 3))
         state[0, 2] = k
         fields = (f"box_{k}", frame, 0.1, np.array([0.0, 0.0, 1.0]), state)
-        obstacles.append(PlannedObstacle(*fields, np.zeros((0, 3)), MotionStatus.RAW))
-    return MotionPlan(0.0, 0.01, 2, tuple(obstacles))
+        obstacles.append(PlannedMotion(*fields, np.zeros((0, 3)), PreviewStatus.RAW))
+    return Preview.of_motions(0.0, 0.01, 2, tuple(obstacles))
 
 
 def _tick(model: RobotModel, time: float) -> Tick:

@@ -5,14 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.contacts import (
-    BoundsInForce,
-    ContactSensing,
-    ForceBoundsPlan,
-    NormalBounds,
-    PlanStatus,
-)
+from ghc_controller.contacts import BoundsInForce, ContactSensing, NormalBounds
 from ghc_controller.contacts.registry import make_contact
+from ghc_controller.previews.preview import CONTACT_FORCES, Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.schema.reader import Fields
@@ -46,8 +42,9 @@ class Foot:
         times = tick + STEP * np.arange(round(HORIZON / STEP) + 1)
         on = (times >= self._make - 1e-9) & (times < self._end - 1e-9)
         upper = np.where(on, UPPER, 0.0)[None]
-        status = (PlanStatus.RAW,)
-        plan = ForceBoundsPlan(
+        status = (PreviewStatus.RAW,)
+        plan = Preview(
+            CONTACT_FORCES,
             float(tick),
             STEP,
             ("foot",),

@@ -12,10 +12,8 @@ from ghc_controller.contacts import (
     BoundsInForce,
     Contact,
     ContactSet,
-    ForceBoundsPlan,
     FrictionCone,
     NormalForce,
-    PlanStatus,
     SurfaceContact,
 )
 from ghc_controller.contacts.registry import make_contact
@@ -23,6 +21,8 @@ from ghc_controller.controller import Controller
 from ghc_controller.errors import ConfigurationError, InvalidValue
 from ghc_controller.formulations import FORMULATIONS, ContactRows
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.previews.preview import CONTACT_FORCES, Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.robot.library import find_robot
@@ -155,18 +155,17 @@ def test_bounds_that_torques_cannot_meet_give_way_and_are_named(robot: Robot) ->
     assert controller.counts["qp_failures"] == 0
 
 
-def _plan(
-    names: list[str], lower: list[float], upper: list[float], on: bool = True
-) -> ForceBoundsPlan:
+def _plan(names: list[str], lower: list[float], upper: list[float], on: bool = True) -> Preview:
     c = len(names)
-    return ForceBoundsPlan(
+    return Preview(
+        CONTACT_FORCES,
         0.0,
         0.5,
         tuple(names),
         np.repeat(np.array(lower)[:, None], 3, axis=1),
         np.repeat(np.array(upper)[:, None], 3, axis=1),
         (True,) * c,
-        (PlanStatus.SMOOTHED,) * c,
+        (PreviewStatus.SMOOTHED,) * c,
         (False,) * c,
         True,
     )

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from ghc_controller.contacts import Contact, ForceBoundsPlan, ForceCost, PlanStatus
+from ghc_controller.contacts import Contact, ForceCost
 from ghc_controller.controller import Controller
+from ghc_controller.previews.preview import CONTACT_FORCES, Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import Robot, load_robot_config
@@ -145,9 +147,11 @@ def _lean_on_the_palm(controller: Controller) -> None:
     active = controller.force_bounds.at(0.0).active
     on = tuple(now or name == "right_palm" for now, name in zip(active, names, strict=True))
     upper = np.full((len(names), 2), 500.0)
-    status, ends = (PlanStatus.RAW,) * len(names), (False,) * len(names)
+    status, ends = (PreviewStatus.RAW,) * len(names), (False,) * len(names)
     controller.force_bounds.follow(
-        ForceBoundsPlan(0.0, 1.0, names, np.zeros_like(upper), upper, on, status, ends, False)
+        Preview(
+            CONTACT_FORCES, 0.0, 1.0, names, np.zeros_like(upper), upper, on, status, ends, False
+        )
     )
 
 

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ghc_controller.contacts import BoundsInForce, ForceBoundsPlan, PlanStatus
+from ghc_controller.contacts import BoundsInForce
 from ghc_controller.contacts.contact import OnStale
 from ghc_controller.errors import InvalidValue
+from ghc_controller.previews.preview import CONTACT_FORCES, Preview
+from ghc_controller.previews.status import PreviewStatus
 
 MOST = 100.0  # [N] force_upper of the file
 
@@ -22,11 +24,20 @@ def _bounds() -> BoundsInForce:
     return BoundsInForce([contact])
 
 
-def _plan(lower: float, upper: float) -> ForceBoundsPlan:
+def _plan(lower: float, upper: float) -> Preview:
     values = np.ones((1, 11))
-    status = (PlanStatus.SMOOTHED,)
-    return ForceBoundsPlan(
-        0.0, 0.01, ("foot",), lower * values, upper * values, (True,), status, (False,), True
+    status = (PreviewStatus.SMOOTHED,)
+    return Preview(
+        CONTACT_FORCES,
+        0.0,
+        0.01,
+        ("foot",),
+        lower * values,
+        upper * values,
+        (True,),
+        status,
+        (False,),
+        True,
     )
 
 

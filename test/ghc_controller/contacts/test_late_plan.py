@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ghc_controller.contacts import BoundsInForce, ForceBoundsPlan
+from ghc_controller.contacts import BoundsInForce
 from ghc_controller.contacts.contact import OnStale
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_controller.previews.preview import Preview
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 
 STEP, DT = 0.01, 0.001  # [s]
 HIGH, LOW = 60.0, 20.0  # [N]
@@ -38,8 +39,8 @@ def _run(
     """
     generator, bounds = ContactForceBounds(ForceBoundSettings(horizon=0.5)), _bounds()
     schedule = ContactSchedule.checked("foot", [0.0], lower[:1], upper[:1])
-    generator.set_schedule(schedule, 0.0)
-    waiting: list[tuple[float, ForceBoundsPlan]] = []
+    generator.observe(schedule, 0.0)
+    waiting: list[tuple[float, Preview]] = []
     newest, in_force, planned = generator.tick(0.0), [], []
     bounds.follow(newest, 0.0)
     for n in range(1, 3500):
@@ -47,7 +48,7 @@ def _run(
         if n % 10 == 0:
             k = n // 10
             if k == 50:
-                generator.set_schedule(ContactSchedule.checked("foot", times, lower, upper), now)
+                generator.observe(ContactSchedule.checked("foot", times, lower, upper), now)
             waiting.append((now + delays[k], generator.tick(now)))
         begun = [plan for due, plan in waiting if due <= now + 1e-9]
         waiting = waiting[len(begun) :]
@@ -96,9 +97,7 @@ def test_what_tightens_is_in_force_with_its_plan(delay: float) -> None:
 
 def test_raw_plans_step_also_when_they_are_late() -> None:
     generator = ContactForceBounds(ForceBoundSettings(horizon=0.5, smoothing=False))
-    generator.set_schedule(
-        ContactSchedule.checked("foot", [0.0, 0.5], [0.0] * 2, [LOW, HIGH]), 0.0
-    )
+    generator.observe(ContactSchedule.checked("foot", [0.0, 0.5], [0.0] * 2, [LOW, HIGH]), 0.0)
     bounds = _bounds()
     bounds.follow(generator.tick(0.48), 0.48)
     bounds.follow(generator.tick(0.5), 0.53)

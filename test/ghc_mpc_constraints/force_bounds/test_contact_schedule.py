@@ -9,16 +9,17 @@ import pytest
 from random_schedules import random_schedule
 
 from ghc_controller.errors import GhcError
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule, preview
 from ghc_mpc_constraints.previews.horizon import Horizon
-from ghc_mpc_constraints.ros.schedule_inbox import ScheduleInbox, TimedSchedule
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.raw_bounds import preview
+from ghc_mpc_constraints.schedules.schedule_inbox import ScheduleInbox
 
 NAN = float("nan")
 BAD: list[tuple[dict[str, Any], list[str]]] = [
     ({"times": [0.0, 2.0, 1.0]}, ["times[1] = 2 s before times[2] = 1 s", "increasing"]),
     ({"times": [0.0, 1.0, 1.0]}, ["increasing times expected"]),
-    ({"contact": "hand"}, ["unknown contact 'hand'", "known: left_foot, right_foot"]),
-    ({"contact": ""}, ["unknown contact ''", "left_foot"]),
+    ({"name": "hand"}, ["unknown contact 'hand'", "known: left_foot, right_foot"]),
+    ({"name": ""}, ["unknown contact ''", "left_foot"]),
     ({"times": [0.0, NAN, 2.0]}, ["times[1] = nan given", "finite number"]),
     ({"lower": [0.0, NAN, 0.0]}, ["lower[1] = nan given", "finite number"]),
     ({"upper": [5.0, float("inf"), 5.0]}, ["upper[1] = inf given", "finite number"]),
@@ -33,7 +34,7 @@ BAD: list[tuple[dict[str, Any], list[str]]] = [
 def test_malformed_schedules_are_refused(change: dict[str, Any], words: list[str]) -> None:
     """The message names the field, what was given and what was expected."""
     fields = {
-        "contact": "left_foot",
+        "name": "left_foot",
         "times": [0.0, 1.0, 2.0],
         "lower": [0.0, 0.0, 0.0],
         "upper": [5.0, 0.0, 5.0],
@@ -109,10 +110,11 @@ def test_several_schedules_wait_side_by_side() -> None:
     """Latched schedules reach a new generator together: all count, in the order of the times."""
     inbox = ScheduleInbox(lockstep=False)
     schedules = [
-        ContactSchedule.checked("foot", [0.0, 1.0 + k], [0.0, 0.0], [50.0, 10.0]) for k in range(3)
+        ContactSchedule.checked("foot", [0.0, 1.0 + k], [0.0, 0.0], [50.0, 10.0], (), known)
+        for k, known in enumerate((None, 2.0, 1.0))
     ]
-    for schedule, known in zip(schedules, (None, 2.0, 1.0), strict=True):
-        inbox.put(TimedSchedule(schedule, known), 0.0, running=False)
+    for schedule in schedules:
+        inbox.put(schedule, 0.0, running=False)
     assert inbox.due(0.5) == [schedules[0]]
     assert inbox.due(3.0) == [schedules[2], schedules[1]]
     assert inbox.due(3.0) == []

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from ghc_controller.errors import GhcError, InvalidValue
-from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
+from ghc_controller.previews.motion import PlannedMotion
+from ghc_controller.previews.preview import Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array
+from ghc_mpc_constraints.generators.obstacle_motion import ObstacleBounds, ObstacleSettings
 from ghc_mpc_constraints.obstacle_motion.approach import ApproachQueue, ReactionTime
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement, frame_of
-from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, ObstacleSettings
 from ghc_mpc_constraints.previews.motion_weights import dynamic_weights
 
 STEP = 0.01  # [s]
@@ -27,12 +29,12 @@ def _seen(distance: float, id: str = "box", aside: float = 0.0) -> Measurement: 
     return Measurement.checked(id, "tool", position, NORMAL, distance, SAFE)
 
 
-def _away(planned: PlannedObstacle, row: int = 0) -> float:
+def _away(planned: PlannedMotion, row: int = 0) -> float:
     """Distance [m] of the virtual obstacle along the normal, or its rate of a higher row."""
     return -float(planned.state[row] @ NORMAL)
 
 
-def _run(generator: ObstacleBounds, distances: Array, period: int = 10) -> list[MotionPlan]:
+def _run(generator: ObstacleBounds, distances: Array, period: int = 10) -> list[Preview]:
     """Ticks with a measurement every `period` ticks; NaN = the obstacle is not seen."""
     plans = []
     for k, distance in enumerate(distances):
@@ -51,7 +53,7 @@ def test_never_farther_than_measured_at_the_end_of_the_reaction_time() -> None:
         generator.reset()
         distances = np.repeat(rng.uniform(0.05, 0.42, 4), rng.integers(5, 40, 4))
         plans = _run(generator, distances)
-        virtual = np.array([_away(plan.obstacles[0]) for plan in plans])
+        virtual = np.array([_away(plan.motions[0]) for plan in plans])
         assert virtual[0] == pytest.approx(SAFE + 0.05)
         for k in range(0, len(distances), 10):
             # Chained approaches add their ways, so the whole way bounds every deadline.
@@ -67,23 +69,23 @@ def test_motion_is_continuous_and_its_plan_is_followed() -> None:
     generator = ObstacleBounds(ObstacleSettings())
     distances = np.concatenate([np.full(100, 0.5), np.full(300, 0.25), np.full(200, 0.35)])
     plans = _run(generator, distances)
-    inside = [plan for plan in plans if plan.obstacles[0].status is MotionStatus.SMOOTHED]
+    inside = [plan for plan in plans if plan.motions[0].status is PreviewStatus.SMOOTHED]
     assert len(inside) == 500
     for before, after in itertools.pairwise(inside):
-        planned = before.obstacles[0].trajectory(STEP)
-        assert np.allclose(planned[1], after.obstacles[0].state, rtol=0.0, atol=1e-12)
-        half = before.obstacles[0].at(0.5 * STEP, STEP)
-        jerk = before.obstacles[0].jerk[0]
-        assert np.allclose(half[2], before.obstacles[0].state[2] + 0.5 * STEP * jerk)
-    jerks = np.array([np.abs(plan.obstacles[0].jerk[0]).max() for plan in inside])
+        planned = before.motions[0].trajectory(STEP)
+        assert np.allclose(planned[1], after.motions[0].state, rtol=0.0, atol=1e-12)
+        half = before.motions[0].at(0.5 * STEP, STEP)
+        jerk = before.motions[0].jerk[0]
+        assert np.allclose(half[2], before.motions[0].state[2] + 0.5 * STEP * jerk)
+    jerks = np.array([np.abs(plan.motions[0].jerk[0]).max() for plan in inside])
     assert jerks.max() < 60.0
 
 
 def test_at_rest_on_the_measured_position_nothing_moves() -> None:
     """An obstacle that stands still long enough is shown where it is, to 1e-4 m."""
     plans = _run(ObstacleBounds(ObstacleSettings()), np.full(700, 0.3))
-    assert _away(plans[-1].obstacles[0]) == pytest.approx(0.3, abs=1e-4)
-    plan = plans[-1].obstacles[0]
+    assert _away(plans[-1].motions[0]) == pytest.approx(0.3, abs=1e-4)
+    plan = plans[-1].motions[0]
     assert np.allclose(plan.at(3.0, STEP)[0], plan.trajectory(STEP)[-1][0])
     assert np.array_equal(plan.at(3.0, STEP)[1:], np.zeros((2, 3)))
 
@@ -93,14 +95,14 @@ def test_outside_it_is_shown_as_measured_and_leaves_over_the_edge() -> None:
     settings = ObstacleSettings()
     distances = np.concatenate([np.full(50, 0.9), np.full(350, 0.25), np.full(200, NAN)])
     plans = _run(ObstacleBounds(settings), distances)
-    assert all(_away(plan.obstacles[0]) == pytest.approx(0.9) for plan in plans[:50])
+    assert all(_away(plan.motions[0]) == pytest.approx(0.9) for plan in plans[:50])
     edge = SAFE + settings.margin
-    assert _away(plans[50].obstacles[0]) == pytest.approx(edge)
-    assert plans[50].obstacles[0].status is MotionStatus.SMOOTHED
-    last = next(k for k, plan in enumerate(plans) if not plan.obstacles)
+    assert _away(plans[50].motions[0]) == pytest.approx(edge)
+    assert plans[50].motions[0].status is PreviewStatus.SMOOTHED
+    last = next(k for k, plan in enumerate(plans) if not plan.motions)
     assert 410 < last < 500
-    assert _away(plans[last - 1].obstacles[0]) >= edge - settings.margin
-    assert plans[-1].obstacles == ()
+    assert _away(plans[last - 1].motions[0]) >= edge - settings.margin
+    assert plans[-1].motions == ()
 
 
 def test_along_the_tangent_it_is_smoothed_as_well() -> None:
@@ -111,7 +113,7 @@ def test_along_the_tangent_it_is_smoothed_as_well() -> None:
     for k in range(800):
         if k % 10 == 0:
             generator.observe([_seen(0.3, aside=0.0 if k < 300 else 0.2)], k * STEP)
-        state = generator.tick(k * STEP).obstacles[0].state
+        state = generator.tick(k * STEP).motions[0].state
         aside.append(state[0] @ tangent)
     assert np.abs(np.diff(aside)).max() < 0.01
     assert aside[-1] == pytest.approx(0.2, abs=1e-3)
@@ -121,23 +123,23 @@ def test_silent_sensor_is_noticed_and_the_obstacle_taken_to_be_closer() -> None:
     """After stale_after: status STALE, counted, and 5 cm closer than last seen."""
     generator = ObstacleBounds(ObstacleSettings())
     plans = _run(generator, np.full(500, 0.3))
-    assert all(p.obstacles[0].status is MotionStatus.SMOOTHED for p in plans)
+    assert all(p.motions[0].status is PreviewStatus.SMOOTHED for p in plans)
     silent = [generator.tick(k * STEP) for k in range(500, 900)]
-    assert silent[39].obstacles[0].status is MotionStatus.SMOOTHED
-    assert silent[45].obstacles[0].status is MotionStatus.STALE
+    assert silent[39].motions[0].status is PreviewStatus.SMOOTHED
+    assert silent[45].motions[0].status is PreviewStatus.STALE
     assert generator.counts["sensor_silent"] == 1
-    assert _away(silent[-1].obstacles[0]) == pytest.approx(0.25, abs=1e-3)
+    assert _away(silent[-1].motions[0]) == pytest.approx(0.25, abs=1e-3)
     generator.observe([_seen(0.3)], 9.0)
-    assert generator.tick(9.0).obstacles[0].status is MotionStatus.SMOOTHED
+    assert generator.tick(9.0).motions[0].status is PreviewStatus.SMOOTHED
 
 
 def test_smoothing_off_passes_positions_through() -> None:
     distances = np.concatenate([np.full(50, 0.9), np.full(50, 0.25), np.full(20, NAN)])
     plans = _run(ObstacleBounds(ObstacleSettings(smoothing=False)), distances)
     for plan, distance in zip(plans, distances, strict=True):
-        assert len(plan.obstacles) == (not np.isnan(distance))
-        for planned in plan.obstacles:
-            assert planned.status is MotionStatus.RAW
+        assert len(plan.motions) == (not np.isnan(distance))
+        for planned in plan.motions:
+            assert planned.status is PreviewStatus.RAW
             assert np.allclose(planned.at(0.005, STEP), [-distance * NORMAL, [0] * 3, [0] * 3])
 
 
@@ -145,10 +147,10 @@ def test_restarted_generator_goes_on_from_the_motion_in_force() -> None:
     """Taken over in the middle of an approach: the next states are those of the old one."""
     old, new = ObstacleBounds(ObstacleSettings()), ObstacleBounds(ObstacleSettings())
     plan = _run(old, np.full(120, 0.25))[-1]
-    new.take_over("box", plan.obstacles[0].trajectory(STEP)[1])
+    new.start_from("box", plan.motions[0].trajectory(STEP)[1])
     new.observe([_seen(0.25)], 1.2)
-    started = new.tick(1.2).obstacles[0]
-    assert np.allclose(started.state, old.tick(1.2).obstacles[0].state, rtol=0.0, atol=1e-12)
+    started = new.tick(1.2).motions[0]
+    assert np.allclose(started.state, old.tick(1.2).motions[0].state, rtol=0.0, atol=1e-12)
     assert np.abs(started.jerk[0]).max() < 60.0
 
 
@@ -161,17 +163,17 @@ class _NoSolution:
 
 def test_without_a_solution_the_plan_is_held_then_the_closest_position_taken() -> None:
     generator = ObstacleBounds(ObstacleSettings())
-    good = _run(generator, np.full(100, 0.3))[-1].obstacles[0].trajectory(STEP)
+    good = _run(generator, np.full(100, 0.3))[-1].motions[0].trajectory(STEP)
     generator._qp = _NoSolution()  # type: ignore[assignment]
     for k in range(1, 400):
         if k % 10 == 0:
             generator.observe([_seen(0.3)], 0.99 + k * STEP)
-        plan = generator.tick(0.99 + k * STEP).obstacles[0]
+        plan = generator.tick(0.99 + k * STEP).motions[0]
         if k < 150:
-            assert plan.status is MotionStatus.HELD
+            assert plan.status is PreviewStatus.HELD
             assert np.allclose(plan.state, good[k], rtol=0.0, atol=1e-9)
         elif k > 160:
-            assert plan.status is MotionStatus.TIGHTENED
+            assert plan.status is PreviewStatus.TIGHTENED
             assert _away(plan) <= 0.3 + 1e-9
     assert generator.counts["tightened"] > 200
 

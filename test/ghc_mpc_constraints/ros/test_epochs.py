@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.previews.bounds_plan import ForceBoundsPlan
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_controller.previews.preview import Preview
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.ros.schedule_inbox import ScheduleInbox, TimedSchedule
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.schedule_inbox import ScheduleInbox
 
 SETTINGS = ForceBoundSettings(horizon=0.25)
 EVERY = 0.05  # [s] between the ticks of an epoch
 END = 12.0  # [s]
 
 
-def _script(start: float) -> list[tuple[float, TimedSchedule]]:
+def _script(start: float) -> list[tuple[float, ContactSchedule]]:
     """What a planner sends for a run that begins at `start` [s], and when [s]."""
     first = [start, start + 3.5, start + 7.0]
     script = ContactSchedule.checked("right_sole", first, [0.0] * 3, [400.0, 0.0, 400.0])
@@ -26,14 +26,14 @@ def _script(start: float) -> list[tuple[float, TimedSchedule]]:
     newer = ContactSchedule.checked("right_sole", [start + 10.0], [0.0], [100.0])
     other = ContactSchedule.checked("left_sole", [start], [0.0], [200.0])
     return [
-        (start, TimedSchedule(script, None)),
-        (start, TimedSchedule(surprise, start + 3.0)),
-        (start + 1.0, TimedSchedule(other, start + 2.0)),
-        (start + 2.0, TimedSchedule(newer, start + 5.0)),
+        (start, script),
+        (start, surprise.known_at(start + 3.0)),
+        (start + 1.0, other.known_at(start + 2.0)),
+        (start + 2.0, newer.known_at(start + 5.0)),
     ]
 
 
-def _run(bounds: ContactForceBounds, inbox: ScheduleInbox, start: float) -> list[ForceBoundsPlan]:
+def _run(bounds: ContactForceBounds, inbox: ScheduleInbox, start: float) -> list[Preview]:
     """Plans of all ticks; each schedule arrives before the tick at its time [s]."""
     plans, arrivals = [], _script(start)
     for k in range(round(END / EVERY)):
@@ -41,7 +41,7 @@ def _run(bounds: ContactForceBounds, inbox: ScheduleInbox, start: float) -> list
         while arrivals and arrivals[0][0] <= now + 1e-9:
             inbox.put(arrivals.pop(0)[1], now, running=k > 0)
         for schedule in inbox.due(now):
-            bounds.set_schedule(schedule, now)
+            bounds.observe(schedule, now)
         plans.append(bounds.tick(now))
     return plans
 
@@ -58,8 +58,8 @@ def test_every_run_is_planned_alike(lockstep: bool) -> None:
         bounds.reset()
         inbox.forget()
         for before, after in zip(first, _run(bounds, inbox, start), strict=True):
-            assert before.contacts == after.contacts
-            assert before.in_contact == after.in_contact
+            assert before.rows == after.rows
+            assert before.active == after.active
             assert before.status == after.status
             np.testing.assert_allclose(before.lower, after.lower, atol=1e-9)
             np.testing.assert_allclose(before.upper, after.upper, rtol=1e-9, atol=1e-9)

@@ -7,13 +7,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.ros.schedule_history import LONGEST, QUIET, ScheduleHistory
-from ghc_mpc_constraints.ros.schedule_inbox import ScheduleInbox, TimedSchedule
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.schedule_history import LONGEST, QUIET, ScheduleHistory
+from ghc_mpc_constraints.schedules.schedule_inbox import ScheduleInbox
 
 STEP = 0.01  # [s]
 START = 5.0  # [s]
@@ -32,7 +32,7 @@ def _upper_after_a_restart(pause: float, waits: bool) -> np.ndarray:
         ScheduleInbox(False),
         ScheduleHistory(),
     )
-    generator.take_over("foot", 0.0, IN_FORCE)
+    generator.start_from("foot", 0.0, IN_FORCE)
     if waits:
         history.expect(["foot"])
     arrivals = [(START, OLD), (START + pause, NEW)]
@@ -40,10 +40,10 @@ def _upper_after_a_restart(pause: float, waits: bool) -> np.ndarray:
     for k in range(100):
         now = START + k * STEP
         while arrivals and arrivals[0][0] <= now + 1e-9:
-            inbox.put(TimedSchedule(arrivals.pop(0)[1], None), now, running=True)
+            inbox.put(arrivals.pop(0)[1], now, running=True)
             history.arrived("foot", now)
         for schedule in inbox.due(now, partial(history.is_complete, wall=now)):
-            generator.set_schedule(schedule, now)
+            generator.observe(schedule, now)
         generator.hold_handed_over()
         upper.append(generator.tick(now).upper[0, 0])
     return np.array(upper)
@@ -86,14 +86,14 @@ def test_a_planner_that_goes_on_speaking_is_not_waited_for() -> None:
 def test_a_contact_without_a_schedule_stays_at_its_bounds_in_force() -> None:
     """Left out of the plan, it would get the bounds of the robot's file at once."""
     generator = ContactForceBounds(ForceBoundSettings(horizon=0.5))
-    generator.take_over("foot", 3.0, IN_FORCE)
+    generator.start_from("foot", 3.0, IN_FORCE)
     generator.hold_handed_over()
     plan = generator.tick(START)
-    assert plan.contacts == ("foot",)
-    assert plan.in_contact == (True,)
+    assert plan.rows == ("foot",)
+    assert plan.active == (True,)
     assert (plan.upper == IN_FORCE).all()
     np.testing.assert_allclose(plan.lower, 3.0, rtol=1e-12)
-    generator.set_schedule(OLD, START + STEP)
+    generator.observe(OLD, START + STEP)
     rising = [generator.tick(START + k * STEP).upper[0, 0] for k in range(1, 100)]
     assert rising[0] == IN_FORCE
     assert 0.0 < np.diff(rising).max() < 130.0 * STEP

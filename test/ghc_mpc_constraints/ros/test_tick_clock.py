@@ -6,9 +6,9 @@ import pytest
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.wire.timeline import CONFIRMATIONS, SILENCE
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
-from ghc_mpc_constraints.ros.schedule_inbox import ScheduleInbox, TimedSchedule
 from ghc_mpc_constraints.ros.tick_clock import Due, TickClock
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.schedule_inbox import ScheduleInbox
 
 MS = 1_000_000  # [ns]
 
@@ -72,8 +72,8 @@ def test_a_run_that_was_announced_begins_with_its_first_tick() -> None:
     assert clock.judge(30 * MS, 0) is Due.STALE
 
 
-def _timed(known_from: float | None, contact: str = "foot") -> TimedSchedule:
-    return TimedSchedule(ContactSchedule.checked(contact, [9.0], [0.0], [1.0]), known_from)
+def _timed(known_from: float | None, contact: str = "foot") -> ContactSchedule:
+    return ContactSchedule.checked(contact, [9.0], [0.0], [1.0], known_from=known_from)
 
 
 def test_schedules_wait_until_they_are_known_in_that_order() -> None:
@@ -81,9 +81,9 @@ def test_schedules_wait_until_they_are_known_in_that_order() -> None:
     assert not inbox.put(_timed(3.0, "c"), 0.0, False)
     assert not inbox.put(_timed(2.0, "b"), 0.0, False)
     assert inbox.put(_timed(None, "a"), 0.0, False)
-    assert [s.contact for s in inbox.due(0.0)] == ["a"]
+    assert [s.name for s in inbox.due(0.0)] == ["a"]
     assert inbox.due(1.99) == []
-    assert [s.contact for s in inbox.due(3.0)] == ["b", "c"]
+    assert [s.name for s in inbox.due(3.0)] == ["b", "c"]
     assert inbox.due(9.0) == []
 
 

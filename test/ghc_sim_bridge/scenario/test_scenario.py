@@ -271,7 +271,7 @@ def test_generators_run_beside_the_controller_which_waits_for_them(
     assert on.is_default and not off.is_default
     assert make_plan(scenario, RunOptions(), tmp_path).folder == on.folder
     waited_for = {
-        "contact_force_bounds": "contact_force_bounds",
+        "contact_force_bounds": "contact_forces",
         "obstacle_bounds": "obstacle_motion",
     }
     for plan in (on, off):

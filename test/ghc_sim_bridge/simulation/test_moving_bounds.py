@@ -14,13 +14,13 @@ from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.schema.reader import Fields
 from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.generators.obstacle_motion import ObstacleBounds, ObstacleSettings
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
-from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, ObstacleSettings
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 DT, TICK, SENSOR = 1e-3, 10, 100  # [s], then periods of the generators and of the sensor
@@ -61,7 +61,7 @@ def _pushing(smoothing: bool) -> Run:
     schedule = ContactSchedule.checked(
         "tool", [0.0, 1.0, 2.0, 3.0], [0.0] * 4, [0.0, 40.0, 12.0, 0.0], []
     )
-    generator.set_schedule(schedule, 0.0)
+    generator.observe(schedule, 0.0)
     controller.observe(_state(simulator, None))
     task = controller.schedule_of("tool").task("tool")
     push = ReferenceTrajectory.for_task(task, np.zeros(1), np.ones((1, 1)), wrench=[[20.0]])

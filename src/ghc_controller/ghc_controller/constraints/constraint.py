@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from enum import Enum, IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.previews.preview import Preview
 from ghc_controller.problem.control_problem import ContactRows
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
 
@@ -64,16 +65,19 @@ class Constraint(ABC):
     of `DistanceConstraint` for one scalar that is kept in a range, of this one for any other rows.
     ConstraintSet puts all of them together.
 
-    Bounds that change come in by `follow`: it keeps a preview, `rows` or `write` reads it at
-    `tick.state.time`, `is_stale` says that it has ended, and `reset` forgets it.
+    Bounds that change come in by `follow`, as a preview of its `kind`: that is kept, `rows` or
+    `write` reads it at `tick.state.time`, `is_stale` says that it has ended, and `reset` forgets
+    it.
 
     Attributes:
         name: unique name, as in active_constraints and slack_names.
         space, softness: see Space and Softness.
+        kind: of the previews that it follows; empty = none.
     """
 
     space: Space
     softness: Softness
+    kind: str = ""
 
     def __init__(self, name: str) -> None:
         """Store the name."""
@@ -85,13 +89,13 @@ class Constraint(ABC):
 
     def follow(
         self,
-        preview: Any,  # noqa: ARG002
+        preview: Preview,  # noqa: ARG002
         now: float | None = None,  # noqa: ARG002
     ) -> tuple[UnknownName, ...]:
         """Take over a preview of the bounds, which replaces the one before.
 
         Args:
-            preview: of this constraint.
+            preview: of its kind.
             now: [s] from when on it is followed; None = from its start.
 
         Returns:

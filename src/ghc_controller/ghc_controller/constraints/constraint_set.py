@@ -20,6 +20,7 @@ from ghc_controller.constraints.planned_jerk import PlannedJerk
 from ghc_controller.constraints.row_stack import RowStack
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.previews.limits_in_force import LimitsInForce
 from ghc_controller.problem.control_problem import AccelerationRows, ContactRows
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
 
@@ -54,12 +55,19 @@ class ConstraintSet:
             in_contact: whether contact forces can act on the robot.
 
         Raises:
-            InvalidValue: two constraints share a name, or rows that cannot be served: `RowStack`.
+            InvalidValue: two constraints share a name or follow previews of one kind, or rows that
+                cannot be served: `RowStack`.
         """
         names = [constraint.name for constraint in constraints]
         for name in names:
             if names.count(name) > 1:
                 raise InvalidValue(f"constraint name '{name}' is given twice; names must differ")
+        kinds = [constraint.kind for constraint in constraints if constraint.kind]
+        for kind in kinds:
+            if kinds.count(kind) > 1:
+                raise InvalidValue(
+                    f"two constraints follow previews of kind '{kind}', one expected"
+                )
         self.constraints = tuple(constraints)
         self.planned_jerk = planned_jerk
         base = tuple(f"base_{i}" for i in range(model.nv - model.na))
@@ -71,9 +79,15 @@ class ConstraintSet:
             [c for c in boxes if c.space is Space.ACCELERATION], base + model.joint_names
         )
         self._torque = _Merge([c for c in boxes if c.space is Space.TORQUE], model.joint_names)
-        self._following = [c for c in constraints if type(c).is_stale is not Constraint.is_stale]
+        self.following = tuple(c for c in constraints if c.kind)
         self._stack = RowStack(constraints, in_contact)
         self.boxes = Boxes(self._acceleration.box, self._torque.box)
+
+    @property
+    def limits(self) -> tuple[LimitsInForce, ...]:
+        """Limits of the constraints that follow previews."""
+        found = (getattr(constraint, "limits", None) for constraint in self.constraints)
+        return tuple(limits for limits in found if isinstance(limits, LimitsInForce))
 
     @property
     def rows(self) -> AccelerationRows | None:
@@ -97,7 +111,7 @@ class ConstraintSet:
 
     def is_stale(self, time: float) -> bool:
         """Whether a preview that a constraint follows has ended at `time` [s]."""
-        return any(constraint.is_stale(time) for constraint in self._following)
+        return any(constraint.is_stale(time) for constraint in self.following)
 
     def reset(self) -> None:
         """Forget the last state and all previews."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numba
 
@@ -14,6 +15,9 @@ from ghc_controller.constraints.constraint import (
     positive_per_joint,
 )
 from ghc_controller.constraints.jerk_kernels import position_bound
+from ghc_controller.errors import UnknownName
+from ghc_controller.previews.limits_in_force import LimitsInForce
+from ghc_controller.previews.preview import JOINT_LIMITS, Preview
 from ghc_controller.types import Array
 
 
@@ -33,10 +37,15 @@ class JointPositionLimit(BoxConstraint):
     go on. With a planned jerk j (`Tick.jerk`) the box is narrower: from the next period on the
     acceleration falls with -j to -a_brake (`jerk_kernels`), and the way back is bounded too.
     Between limits too close for both, the one ahead counts.
+
+    A limit that moves (`limits`, from a preview) with rate w and acceleration a is approached
+    softly alone, x <= a + r^2 d - 2 r (v - w) with its distance d: the generator has planned it
+    for the joint to follow, and viability at no distance would answer the last digits of d.
     """
 
     space = Space.ACCELERATION
     softness = Softness.SOFT
+    kind = JOINT_LIMITS
 
     def __init__(
         self,
@@ -45,26 +54,44 @@ class JointPositionLimit(BoxConstraint):
         brake_acceleration: Array | float = 5.0,
         name: str = "position_limit",
         approach_rate: float = 8.0,
+        joints: Sequence[str] = (),
     ) -> None:
         """Bound the last a entries of q by lower and upper (a,) [rad]; approach_rate r [1/s].
 
-        +-inf stands for no limit.
+        +-inf stands for no limit; `joints` names the entries for previews to follow.
         """
         super().__init__(name)
         self.approach_rate = float(positive_per_joint(approach_rate, 1, f"{name}, rate")[0])
         self.lower, self.upper = lower.copy(), upper.copy()
-        joints = lower.shape[0]
+        count = lower.shape[0]
         self.brake_acceleration = positive_per_joint(
-            brake_acceleration, joints, f"{name}, brake acceleration"
+            brake_acceleration, count, f"{name}, brake acceleration"
         )
+        names = tuple(joints) or tuple(f"joint_{i + 1}" for i in range(count))
+        self.limits = LimitsInForce(JOINT_LIMITS, names, lower, upper)
+
+    def follow(self, preview: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
+        """See `LimitsInForce.follow`."""
+        return self.limits.follow(preview, now)
+
+    def is_stale(self, time: float) -> bool:
+        """Whether the preview has ended at `time` [s]."""
+        return self.limits.is_stale(time)
+
+    def reset(self) -> None:
+        """Forget the preview."""
+        self.limits.reset()
 
     def write(self, tick: Tick, lower: Array, upper: Array) -> None:
         """Write the acceleration box of this state."""
+        limits = self.limits.at(tick.state.time)
         _position_box(
             tick.model.q,
             tick.model.v,
-            self.lower,
-            self.upper,
+            limits.lower,
+            limits.upper,
+            limits.rates,
+            limits.accelerations,
             self.brake_acceleration,
             self.approach_rate,
             tick.dt,
@@ -75,8 +102,10 @@ class JointPositionLimit(BoxConstraint):
             _narrow(
                 tick.model.q,
                 tick.model.v,
-                self.lower,
-                self.upper,
+                limits.lower,
+                limits.upper,
+                limits.rates,
+                limits.accelerations,
                 self.brake_acceleration,
                 tick.jerk,
                 tick.dt,
@@ -115,11 +144,28 @@ def soft_approach(distance: float, v: float, brake: float, rate: float, dt: floa
 
 
 @numba.njit(cache=True)
+def moving_approach(
+    distance: float, v: float, w: float, a: float, brake: float, rate: float, dt: float
+) -> float:
+    """As `soft_approach`, of a limit that moves with rate w and acceleration a.
+
+    Braking is never forbidden: to a stop, or where the limit comes closer, to its rate.
+    """
+    relative = v - w
+    approach = a + rate * rate * distance - 2.0 * rate * relative
+    stop = min(max(-v / dt, -brake), brake)
+    follow = a + min(max(-relative / dt, -brake), brake)
+    return max(approach, min(stop, follow))
+
+
+@numba.njit(cache=True)
 def _position_box(
     q: Array,
     v: Array,
     q_min: Array,
     q_max: Array,
+    rates: Array,
+    accelerations: Array,
     brake: Array,
     rate: float,
     dt: float,
@@ -130,14 +176,16 @@ def _position_box(
     for i in range(brake.shape[0]):
         position, speed = q[q_base + i], v[v_base + i]
         to_upper, to_lower = q_max[i] - position, position - q_min[i]
-        upper[v_base + i] = min(
-            viable_acceleration(to_upper, speed, brake[i], dt),
-            soft_approach(to_upper, speed, brake[i], rate, dt),
-        )
-        lower[v_base + i] = -min(
-            viable_acceleration(to_lower, -speed, brake[i], dt),
-            soft_approach(to_lower, -speed, brake[i], rate, dt),
-        )
+        k, w_max, w_min = v_base + i, rates[1, i], rates[0, i]
+        a_min, a_max = accelerations[0, i], accelerations[1, i]
+        upper[k] = moving_approach(to_upper, speed, w_max, a_max, brake[i], rate, dt)
+        if w_max == 0.0 and a_max == 0.0:
+            upper[k] = min(upper[k], viable_acceleration(to_upper, speed, brake[i], dt))
+        lower[k] = -moving_approach(to_lower, -speed, -w_min, -a_min, brake[i], rate, dt)
+        if w_min == 0.0 and a_min == 0.0:
+            lower[k] = max(lower[k], -viable_acceleration(to_lower, -speed, brake[i], dt))
+        if lower[k] > upper[k]:  # only between limits that move
+            lower[k] = upper[k] = 0.5 * (lower[k] + upper[k])
 
 
 @numba.njit(cache=True)
@@ -146,6 +194,8 @@ def _narrow(
     v: Array,
     q_min: Array,
     q_max: Array,
+    rates: Array,
+    accelerations: Array,
     brake: Array,
     jerk: Array,
     dt: float,
@@ -156,8 +206,10 @@ def _narrow(
     q_base, v_base = q.shape[0] - brake.shape[0], v.shape[0] - brake.shape[0]
     for i in range(brake.shape[0]):
         p, s, k = q[q_base + i], v[v_base + i], v_base + i
-        upper[k] = position_bound(q_max[i] - p, s, jerk[i], brake[i], dt, upper[k])
-        lower[k] = -position_bound(p - q_min[i], -s, jerk[i], brake[i], dt, -lower[k])
+        if rates[1, i] == 0.0 and accelerations[1, i] == 0.0:
+            upper[k] = position_bound(q_max[i] - p, s, jerk[i], brake[i], dt, upper[k])
+        if rates[0, i] == 0.0 and accelerations[0, i] == 0.0:
+            lower[k] = -position_bound(p - q_min[i], -s, jerk[i], brake[i], dt, -lower[k])
         if lower[k] > upper[k] and s > 0.0:
             lower[k] = upper[k]
         elif lower[k] > upper[k]:

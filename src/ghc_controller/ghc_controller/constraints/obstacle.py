@@ -8,7 +8,8 @@ from numba import njit
 from ghc_controller.constraints.constraint import Constraint, Rows, Softness, Space, Tick
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.previews.motion_plan import MotionPlan, PlannedObstacle
+from ghc_controller.previews.motion import PlannedMotion
+from ghc_controller.previews.preview import OBSTACLE_MOTION, Preview
 from ghc_controller.types import Array
 
 
@@ -26,6 +27,7 @@ class ObstacleDistance(Constraint):
 
     space = Space.ACCELERATION
     softness = Softness.SOFT
+    kind = OBSTACLE_MOTION
 
     def __init__(self, model: RobotModel, horizon: float, name: str = "obstacle") -> None:
         """`horizon` [s] > 0; InvalidValue otherwise."""
@@ -38,14 +40,14 @@ class ObstacleDistance(Constraint):
 
     def reset(self) -> None:
         """Forget the plan."""
-        self._plan: MotionPlan | None = None
+        self._plan: Preview | None = None
         self._frames: tuple[int, ...] = ()
         self._no_upper = np.zeros(0)
         self.names: tuple[str, ...] = ()
 
     def follow(
         self,
-        preview: MotionPlan,
+        preview: Preview,
         now: float | None = None,  # noqa: ARG002
     ) -> tuple[UnknownName, ...]:
         """Take a plan over, as far as its protected frames exist; obstacles not in it have gone.
@@ -54,39 +56,37 @@ class ObstacleDistance(Constraint):
             What is wrong with each frame whose obstacles were left out; empty when none was.
         """
         plan, known = preview, self._model.frame_names
-        given = dict.fromkeys(entry.frame for entry in plan.obstacles)
+        given = dict.fromkeys(entry.frame for entry in plan.motions)
         unknown = tuple(frame for frame in given if frame not in known)
         if unknown:
-            plan = plan.without(unknown)
-        self._frames = tuple(self._model.frame_id(entry.frame) for entry in plan.obstacles)
-        self.names = tuple(f"{self.name}.{entry.id}" for entry in plan.obstacles)
-        self._no_upper = np.full(len(plan.obstacles), np.inf)
+            plan = plan.only([entry.frame not in unknown for entry in plan.motions])
+        self._frames = tuple(self._model.frame_id(entry.frame) for entry in plan.motions)
+        self.names = tuple(f"{self.name}.{entry.id}" for entry in plan.motions)
+        self._no_upper = np.full(len(plan.motions), np.inf)
         self._plan = plan
         return tuple(UnknownName("protected frame", frame, known) for frame in unknown)
 
-    def states(self, time: float) -> tuple[tuple[PlannedObstacle, Array], ...]:
+    def states(self, time: float) -> tuple[tuple[PlannedMotion, Array], ...]:
         """The obstacles with their virtual states (3, 3) at `time` [s]; rows as in the plan."""
         plan = self._plan
         if plan is None:
             return ()
-        elapsed = max(time - plan.start, 0.0)
-        return tuple((entry, entry.at(elapsed, plan.step)) for entry in plan.obstacles)
+        return tuple((entry, plan.motion_at(row, time)) for row, entry in enumerate(plan.motions))
 
     def is_stale(self, time: float) -> bool:
         """True when the plan has ended: its obstacles rest since then."""
         plan = self._plan
-        return plan is not None and bool(plan.obstacles) and time > plan.valid_until + 1e-9
+        return plan is not None and bool(plan.motions) and plan.has_ended(time)
 
     def rows(self, tick: Tick) -> Rows | None:
         """A row for each obstacle; None without any."""
         plan = self._plan
-        if plan is None or not plan.obstacles:
+        if plan is None or not plan.motions:
             return None
-        elapsed = max(tick.state.time - plan.start, 0.0)
-        matrix = np.empty((len(plan.obstacles), self._model.nv))
-        lower = np.empty(len(plan.obstacles))
-        for row, (entry, frame_id) in enumerate(zip(plan.obstacles, self._frames, strict=True)):
-            state, frame = entry.at(elapsed, plan.step), self._model.frame(frame_id)
+        matrix = np.empty((len(plan.motions), self._model.nv))
+        lower = np.empty(len(plan.motions))
+        for row, (entry, frame_id) in enumerate(zip(plan.motions, self._frames, strict=True)):
+            state, frame = plan.motion_at(row, tick.state.time), self._model.frame(frame_id)
             motion = (frame.jacobian, frame.position, frame.velocity, frame.drift)
             lower[row] = distance_row(
                 *motion, entry.normal, state, entry.safe_distance, self._horizon, matrix[row]

@@ -12,7 +12,6 @@ from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.contacts.settling import solve_settled
 from ghc_controller.contacts.sliding import SlidingContact
 from ghc_controller.contacts.surface import SurfaceContact
-from ghc_controller.previews.bounds_plan import ForceBoundsPlan, PlanStatus
 
 __all__ = [
     "BoundsInForce",
@@ -20,13 +19,11 @@ __all__ = [
     "ContactForceTask",
     "ContactSensing",
     "ContactSet",
-    "ForceBoundsPlan",
     "ForceCost",
     "FrictionCone",
     "NormalBounds",
     "NormalForce",
     "OnStale",
-    "PlanStatus",
     "RigidContact",
     "Sensing",
     "SlidingContact",

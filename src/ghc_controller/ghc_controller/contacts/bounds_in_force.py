@@ -10,20 +10,22 @@ import numpy as np
 from ghc_controller.contacts.contact import Contact, OnStale
 from ghc_controller.contacts.normal_bounds import NormalBounds, Way
 from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_controller.previews.bounds_plan import ForceBoundsPlan
+from ghc_controller.previews.preview import AGE_TOLERANCE, CONTACT_FORCES, Preview, StaleRule
 
-_AGE_TOLERANCE = 1e-9  # [s]
 _NOWHERE = np.zeros(0, dtype=np.intp)
 
 
 class BoundsInForce:
     """Follows the newest plan; a contact that it leaves out keeps what the robot's file says.
 
-    After the end of a plan each contact holds its last bounds or is released, as `on_stale`
-    says. A plan that comes after its start does not make a bound jump that it loosens: see `Way`.
+    After the end of a plan each contact holds its last bounds or is released, as the plan's stale
+    rule or, with OF_ROBOT, the contact's `on_stale` says. A plan that comes after its start does
+    not make a bound jump that it loosens: see `Way`.
     Whether a contact is on does not change without a plan: one that carries the robot is
     never switched off because its generator is silent.
     """
+
+    kind = CONTACT_FORCES
 
     def __init__(self, contacts: Sequence[Contact]) -> None:
         self._contacts = tuple(contacts)
@@ -36,13 +38,13 @@ class BoundsInForce:
 
     def reset(self) -> None:
         """Forget the plan."""
-        self._plan: ForceBoundsPlan | None = None
+        self._plan: Preview | None = None
         self._way: Way | None = None
         self._places = _NOWHERE
         self._held = _NOWHERE
         self._active = tuple(contact.active for contact in self._contacts)
 
-    def follow(self, plan: ForceBoundsPlan, now: float | None = None) -> tuple[UnknownName, ...]:
+    def follow(self, plan: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
         """Take a plan over, as far as it speaks of contacts that the robot has.
 
         Args:
@@ -55,41 +57,47 @@ class BoundsInForce:
         Raises:
             InvalidValue: a lower bound above what the robot's file allows; the plan before stays.
         """
-        unknown = tuple(name for name in plan.contacts if name not in self._names)
+        unknown = tuple(name for name in plan.rows if name not in self._names)
         if unknown:
             plan = plan.without(unknown)
         plan = self._within_file(plan)
         delay = 0.0 if now is None else now - plan.start
-        in_force = None if now is None or delay <= _AGE_TOLERANCE else self.at(now)
+        in_force = None if now is None or delay <= AGE_TOLERANCE else self.at(now)
         self._plan = plan
-        places = [self._names.index(name) for name in plan.contacts]
+        places = [self._names.index(name) for name in plan.rows]
         self._places = np.array(places, dtype=np.intp)
-        held = [self._contacts[place].on_stale is OnStale.HOLD for place in places]
+        of_robot = plan.stale is StaleRule.OF_ROBOT
+        held = [
+            self._contacts[place].on_stale is OnStale.HOLD
+            if of_robot
+            else plan.stale is not StaleRule.RELEASE
+            for place in places
+        ]
         self._held = np.flatnonzero(held)
         active = list(self._active)
-        for place, on in zip(places, plan.in_contact, strict=True):
+        for place, on in zip(places, plan.active, strict=True):
             active[place] = on
         self._active = tuple(active)
-        if not plan.smoothed:  # steps are what is asked for
+        if not plan.interpolate:  # steps are what is asked for
             self._way = None
         elif now is not None and in_force is not None:
             self._way = Way.begun(now, delay, in_force, self._planned(now), self._way)
         return tuple(UnknownName("contact", name, self._names) for name in unknown)
 
-    def _within_file(self, plan: ForceBoundsPlan) -> ForceBoundsPlan:
+    def _within_file(self, plan: Preview) -> Preview:
         """The plan with upper bounds of at most what the robot's file allows.
 
         Raises:
             InvalidValue: a lower bound above that.
         """
-        if not plan.contacts:
+        if not plan.rows:
             return plan
-        most = self._file[1][[self._names.index(name) for name in plan.contacts]]
+        most = self._file[1][[self._names.index(name) for name in plan.rows]]
         worst = plan.lower.max(axis=1)
         if (worst > most).any():
             c = int(np.argmax(worst - most))
             raise InvalidValue(
-                f"contact '{plan.contacts[c]}': lower bound {worst[c]:g} N given, at most "
+                f"contact '{plan.rows[c]}': lower bound {worst[c]:g} N given, at most "
                 f"force_upper = {most[c]:g} N of the robot's file expected"
             )
         if (plan.upper.max(axis=1) > most).any():
@@ -107,10 +115,10 @@ class BoundsInForce:
         lower, upper = self._file[0].copy(), self._file[1].copy()
         stale: tuple[str, ...] = ()
         plan = self._plan
-        if plan is not None and plan.contacts:
+        if plan is not None and plan.rows:
             values = plan.at(time)
-            if time > plan.valid_until + _AGE_TOLERANCE:
-                stale, held = plan.contacts, self._held
+            if plan.has_ended(time):
+                stale, held = plan.rows, self._held
                 lower[self._places[held]], upper[self._places[held]] = (
                     values[0][held],
                     values[1][held],
@@ -132,4 +140,4 @@ class BoundsInForce:
     @property
     def planned(self) -> tuple[str, ...]:
         """Contacts that a generator has bounded, order of the plan."""
-        return () if self._plan is None else self._plan.contacts
+        return () if self._plan is None else self._plan.rows

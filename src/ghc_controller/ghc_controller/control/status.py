@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ghc_controller.constraints import ConstraintSet
 from ghc_controller.constraints.obstacle import ObstacleDistance
 from ghc_controller.contacts import BoundsInForce, ContactSet
 from ghc_controller.formulations import Formulation
@@ -11,6 +12,7 @@ from ghc_controller.report.report import ObstacleReport, Report, StepResult, Ste
 from ghc_controller.report.reporting import (
     Limits,
     contact_report,
+    limit_reports,
     load_report,
     make_report,
     task_reports,
@@ -29,6 +31,7 @@ class StatusReports:
     contacts: ContactSet
     force_bounds: BoundsInForce
     obstacles: ObstacleDistance
+    constraints: ConstraintSet
     gate: OutputGate
     counts: dict[str, int]
     _last: StepResult | None
@@ -58,6 +61,7 @@ class StatusReports:
             loads,
             tuple(ObstacleReport(planned, state) for planned, state in states),
             self.counts | self.gate.counts,
+            limit_reports(self.constraints.limits, result.time),
         )
 
     def _count(self, status: StepStatus, levels_dropped: int) -> None:

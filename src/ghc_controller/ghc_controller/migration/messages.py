@@ -15,7 +15,30 @@ MESSAGES: tuple[tuple[str, str], ...] = (
         "it goes on; times of a run count from `Epoch.start`",
     ),
     ("`ghc/tick`: `std_msgs/Header`", "`ghc_msgs/Tick`: `start`, `epoch`"),
-    ("`ContactForceBounds`, `ObstacleStateArray`: epoch in `header.frame_id`", "field `epoch`"),
+    (
+        "`constraints/contact_force_bounds` (`ContactForceBounds`)",
+        "`constraints/preview` (`ConstraintPreviews`): `kind` contact_forces; `contacts` is `rows`, `in_contact` is `active`, epoch in `header.frame_id` is `epoch`, `valid_until` is the last of `points`",
+    ),
+    (
+        "`constraints/obstacle_motion` (`ObstacleStateArray`)",
+        "`constraints/preview`: `kind` obstacle_motion, `motions`",
+    ),
+    (
+        "`ObstacleState` with velocity, acceleration, jerk and status",
+        "`PlannedMotion`; `ObstacleState` is what a sensor sees",
+    ),
+    (
+        "`ObstacleStateArray.step`, `valid_until`",
+        "of `ConstraintPreview`; raw obstacles have none",
+    ),
+    (
+        "`wait_for_bounds`: contact_force_bounds, obstacle_motion",
+        "contact_forces, obstacle_motion",
+    ),
+    (
+        "`rejected_constraints/contact_force_bounds`, `rejected_constraints/obstacle_motion` in counts",
+        "`rejected_constraints/preview/<kind>`",
+    ),
     (
         "`ControllerState.active_constraints`, `slack_names`, `slack`",
         "`ControllerState.rows[]` (`RowState`: `name`, `active`, `slack`)",

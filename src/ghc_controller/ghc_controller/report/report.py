@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ghc_controller.constraints import Slack
 from ghc_controller.hierarchy import TransitionEvent
-from ghc_controller.previews.motion_plan import PlannedObstacle
+from ghc_controller.previews.motion import PlannedMotion
 from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.types import Array, TaskTarget
 
@@ -81,8 +81,18 @@ class LoadReport:
 class ObstacleReport:
     """One virtual obstacle as this step used it."""
 
-    planned: PlannedObstacle
+    planned: PlannedMotion
     state: Array  # (3, 3) position [m], velocity [m/s], acceleration [m/s^2]; world axes
+
+
+@dataclass(frozen=True, slots=True)
+class LimitReport:
+    """Limits of one joint that follow a preview, as this step used them."""
+
+    kind: str  # of the preview
+    joint: str
+    lower: float  # [rad] or [Nm]
+    upper: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +110,7 @@ class Report:
     contacts: ContactReport
     loads: LoadReport
     obstacles: tuple[ObstacleReport, ...]
+    limits: tuple[LimitReport, ...] = ()
 
     @property
     def errors(self) -> dict[str, float]:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ghc_controller.constraints import Box, Boxes, Slack
 from ghc_controller.contacts import ContactSet, NormalBounds
+from ghc_controller.previews.limits_in_force import LimitsInForce
 from ghc_controller.problem.control_problem import AccelerationRows, ContactRows
 from ghc_controller.problem.solution import Solution
 from ghc_controller.qp import QpStatus
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.report.report import (
     ContactReport,
+    LimitReport,
     LoadReport,
     ObstacleReport,
     Report,
@@ -49,6 +51,7 @@ def make_report(
     loads: LoadReport,
     obstacles: tuple[ObstacleReport, ...],
     counts: Mapping[str, int],
+    planned: tuple[LimitReport, ...] = (),
 ) -> Report:
     """Report of a step; `alpha` (k, k) is copied."""
     boxes, solution = limits.boxes, result.solution
@@ -74,7 +77,20 @@ def make_report(
         contacts,
         loads,
         obstacles,
+        planned,
     )
+
+
+def limit_reports(limits: Sequence[LimitsInForce], time: float) -> tuple[LimitReport, ...]:
+    """Limits of joints that follow previews at a time [s]."""
+    reports = []
+    for one in limits:
+        now = one.at(time)
+        for joint in one.planned:
+            place = one.place_of(joint)
+            bounds = float(now.lower[place]), float(now.upper[place])
+            reports.append(LimitReport(one.kind, joint, *bounds))
+    return tuple(reports)
 
 
 def task_reports(

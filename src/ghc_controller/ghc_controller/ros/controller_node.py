@@ -5,9 +5,8 @@ Publishes  joint_commands (stamp = the state answered, effort [Nm] by joint name
            ghc/tick (start and epoch of the generators' next tick), /diagnostics, and with
            mirror_commands /effort_controller/commands (ros2_control).
 Subscribes joint_states (effort = torque applied over the last period), sim_bridge/epoch (latched),
-           ghc/priority_transition, ghc/task_reference, constraints/contact_force_bounds,
-           constraints/obstacle_motion, contacts/<name> where it has to wait for them, odom for a
-           floating base.
+           ghc/priority_transition, ghc/task_reference, constraints/preview, contacts/<name>
+           where it has to wait for them, odom for a floating base.
 Parameters see ControllerParameters.
 """
 
@@ -16,10 +15,10 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any
 from uuid import uuid4
 
+from ghc_msgs.msg import ConstraintPreviews
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
@@ -33,8 +32,8 @@ from ghc_controller.robot.library import load_robot
 from ghc_controller.ros.modes import ModeServer
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.parameters import ControllerParameters
-from ghc_controller.ros.previews import PLANS, PlanInbox
-from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PLAN_QOS
+from ghc_controller.ros.previews import PREVIEW_TOPIC, PreviewInbox
+from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PREVIEW_SUBSCRIBER_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.requests import RequestSubscriber
 from ghc_controller.ros.run import run_node, tolerant
@@ -87,7 +86,7 @@ class ControllerNode:
         self._states = StateSubscriber(
             self.node, p, self._controller.model.floating_base, self, self._reject
         )
-        self._plans = PlanInbox(self._controller, self._states.plan, self._reject)
+        self._previews = PreviewInbox(self._controller, self._states.plan, self._reject)
         self._modes = ModeServer(self.node, self._controller, p.armed_by, self._states.forget)
         self._plausibility = StatePlausibility(
             self._controller.model.joint_names, self._controller.model.limits
@@ -128,11 +127,8 @@ class ControllerNode:
             if p.mirror_commands
             else None
         )
-        for name, kind in PLANS.items():
-            take: Callable[[Any], None] = tolerant(
-                partial(self._plans.take, name), f"constraints/{name}", self._reject
-            )
-            node.create_subscription(kind, f"constraints/{name}", take, PLAN_QOS)
+        take: Callable[[Any], None] = tolerant(self._previews.take, PREVIEW_TOPIC, self._reject)
+        node.create_subscription(ConstraintPreviews, PREVIEW_TOPIC, take, PREVIEW_SUBSCRIBER_QOS)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
         if not p.lockstep:
@@ -164,11 +160,11 @@ class ControllerNode:
         begins = new_epoch or not self._requests.is_open
         if new_epoch:
             controller.reset()
-            self._plans.forget()
+            self._previews.forget()
             self._status.reset()
         if begins:
             self._modes.begin(state.time)
-        self._plans.hand_over(self._states.epoch, stamp_ns)
+        self._previews.hand_over(self._states.epoch, stamp_ns)
         if begins:
             controller.observe(state)
         self._now = state.time
@@ -243,7 +239,7 @@ class ControllerNode:
         mismatch = self._old_clients.look()
         if mismatch:
             self.node.get_logger().warning(mismatch)
-        silence = self._plans.silent(self._now or 0.0)
+        silence = self._previews.silent(self._now or 0.0)
         self._status.publish_diagnostics(self._now, silence, self._modes.text)
 
     def close(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ghc_controller.previews.preview import KINDS
 from ghc_controller.safety.modes import Arming
 from ghc_controller.schema.declared import inline
 from ghc_controller.schema.parameters import (
@@ -44,8 +45,8 @@ class ControllerParameters:
     )
     wait_for_bounds: tuple[str, ...] = parameter(
         (),
-        "plans that a step waits for: contact_force_bounds, obstacle_motion",
-        several_of("contact_force_bounds", "obstacle_motion"),
+        f"kinds of previews that a step waits for: {', '.join(KINDS)}",
+        several_of(*KINDS),
     )
     bounds_step: float = parameter(PREVIEW_STEP, "[s] between two plans of a generator", positive)
     mirror_commands: bool = parameter(

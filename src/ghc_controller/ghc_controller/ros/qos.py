@@ -19,7 +19,9 @@ LATCHED_QOS = QoSProfile(
 STREAM_QOS = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 # As STREAM_QOS, for a reader that wants every message although it looks rarely.
 TRACE_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-PLAN_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+PREVIEW_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+# Many generators publish on one topic: a reader keeps a preview of each.
+PREVIEW_SUBSCRIBER_QOS = QoSProfile(depth=20, reliability=ReliabilityPolicy.RELIABLE)
 # One message a contact: as many are kept for a generator that starts later.
 SCHEDULE_QOS = QoSProfile(
     depth=100,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -58,6 +59,18 @@ class Measurement:
                 raise InvalidValue(f"{where}: {name} = {value} m given, 0 or more expected")
         return cls(
             id, frame, vectors["position"], vectors["normal"] / length, distance, safe_distance
+        )
+
+    @classmethod
+    def read(cls, message: Any) -> Measurement:
+        """Measurement of a ghc_msgs/ObstacleState; raises as `checked`."""
+        return cls.checked(
+            message.id,
+            message.protected_frame,
+            list(message.position),
+            list(message.normal),
+            message.distance,
+            message.safe_distance,
         )
 
     def away(self, margin: float) -> Array:

@@ -1,15 +1,22 @@
-"""What both generator nodes share: the controller's ticks, repeats, taking over."""
+"""A constraint generator behind ROS topics: raw input in, previews of its constraint each tick.
+
+Publishes  constraints/preview (stamp and epoch of the tick), /diagnostics.
+Subscribes ghc/tick (when to plan), sim_bridge/epoch (latched), the input that the generator
+           declares, ghc/controller_state (what is in force, before the first preview).
+Parameters `generator`: which one; and those of `parameters_of` that generator.
+"""
 
 from __future__ import annotations
 
+import sys
 import time
-from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Generic, TypeVar
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from ghc_msgs.msg import ControllerState, Tick
+from ghc_msgs.msg import ConstraintPreviews, ControllerState, Tick
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
@@ -17,27 +24,33 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
+from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.conversions.common import diagnostics_message
+from ghc_controller.ros.conversions.previews import previews_message
 from ghc_controller.ros.node_parameters import read_parameters
-from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, STREAM_QOS
+from ghc_controller.ros.previews import PREVIEW_TOPIC
+from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, PREVIEW_QOS, STREAM_QOS
 from ghc_controller.ros.rejections import Rejections
-from ghc_controller.ros.run import tolerant
+from ghc_controller.ros.run import run_node, tolerant
+from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_controller.ros.wire.cdr import decode_tick
 from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.types import NANOSECONDS
-from ghc_mpc_constraints.ros.parameters import ForceBoundParameters, ObstacleParameters
+from ghc_mpc_constraints.generator import GENERATORS, Generator
+from ghc_mpc_constraints.ros.conversions import in_force
+from ghc_mpc_constraints.ros.inputs import make_input
+from ghc_mpc_constraints.ros.parameters import parameters_of
 from ghc_mpc_constraints.ros.tick_clock import Due, TickClock
-
-P = TypeVar("P", ForceBoundParameters, ObstacleParameters)
 
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
 MOST_EARLY = 1000  # [-] messages that wait for the run to which they belong
+NODE_NAME = "generator"
 
 
-class GeneratorNode(ABC, Generic[P]):
-    """Plans once a tick, answers a repeated tick with the same plan.
+class GeneratorNode:
+    """Plans once a tick, answers a repeated tick with the same previews.
 
-    The controller announces ticks on ghc/tick, ahead of the states that need their plans.
+    The controller announces ticks on ghc/tick, ahead of the states that need their previews.
 
     A generator that starts while the robot's time is running goes on from the bounds in force,
     which the controller's state carries; it waits for that message, but not for long.
@@ -45,21 +58,26 @@ class GeneratorNode(ABC, Generic[P]):
 
     def __init__(
         self,
-        name: str,
-        parameters: type[P],
         stop: Future,  # noqa: ARG002 - no message ends it
+        name: str = "",
     ) -> None:
-        """Read the parameters; `start` begins to listen.
+        """Read the parameters, make the generator, listen.
+
+        Args:
+            name: of the generator; "" = of the parameter `generator`.
 
         Raises:
-            GhcError: a parameter cannot be used.
+            GhcError: a parameter cannot be used, or there is no such generator.
         """
-        self.node = Node(name, automatically_declare_parameters_from_overrides=True)
-        self.parameters: P = read_parameters(self.node, parameters)
+        self._name = name or _chosen()
+        kind = GENERATORS[self._name]
+        self.node = Node(self._name, automatically_declare_parameters_from_overrides=True)
+        if self.node.has_parameter("generator"):
+            self.node.undeclare_parameter("generator")
+        self.parameters = read_parameters(self.node, parameters_of(kind))
         self.executor = self.parameters.executor
         self.clock = TickClock(round(self.parameters.settings.step * NANOSECONDS))
         self.rejections = Rejections()
-        self._name = name
         self._early: list[Callable[[], None]] = []  # what came before the first tick
         self._next_run: deque[Callable[[], None]] = deque(maxlen=MOST_EARLY)
         self._in_force: list[bytes] = []  # the last two controller_states, until the first plan
@@ -67,45 +85,63 @@ class GeneratorNode(ABC, Generic[P]):
         self._held_back_ns: int | None = None  # tick [ns] that waits for an input
         self._started = False  # a plan has been made
         self._tick_time = 0.0  # [s] wall, longest since the last diagnostics
+        self._generator: Generator = kind(self.parameters.settings)
+        self._input = make_input(self._generator, self.parameters, self.clock, self.reject)
+        self._message = ConstraintPreviews()
+        self._listen()
+        horizon = self._generator.horizon
+        self.node.get_logger().info(
+            f"{horizon.steps} steps of {horizon.step:g} s, smoothing "
+            f"{'on' if self.parameters.settings.smoothing else 'off'}: ready"
+        )
 
-    @abstractmethod
-    def plan(self, start_ns: int) -> None:
-        """Make the plan of a tick and publish it."""
-
-    @abstractmethod
-    def publish_again(self) -> None:
-        """Publish the last plan once more."""
-
-    @abstractmethod
-    def reset(self) -> None:
-        """Forget plans: time starts again."""
-
-    @abstractmethod
-    def take_over(self, states: Sequence[bytes], start_ns: int) -> bool:
-        """Start from what the newest serialized ControllerStates, one or two, say is in force.
-
-        The plan begins at `start_ns` [ns]. False when inputs are missing without which there
-        would be nothing to plan for them.
-        """
-
-    @abstractmethod
-    def report(self) -> tuple[Mapping[str, int], int]:
-        """Counts, and how many of them are trouble."""
-
-    def ready(self, start_ns: int) -> bool:  # noqa: ARG002 - for those who wait for an input
-        """Whether all that the tick at `start_ns` [ns] waits for has come."""
-        return True
-
-    def start(self) -> None:
-        """Listen to ticks, publish diagnostics."""
-        self._diagnostics = self.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+    def _listen(self) -> None:
+        node, given = self.node, self._input
+        self._previews = node.create_publisher(ConstraintPreviews, PREVIEW_TOPIC, PREVIEW_QOS)
+        self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self.listen(given.message, given.topic, self._on_input, given.qos)
         self._controller: Subscription | None = self.listen(
             ControllerState, "ghc/controller_state", self._on_controller, STREAM_QOS, True
         )
         listen_to_epochs(self.node, self.clock.timeline, self.reject)
         self.listen(Tick, "ghc/tick", self._on_tick, CONTROL_SUBSCRIBER_QOS, True)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
-        self.node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+        node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+
+    def plan(self, start_ns: int) -> None:
+        """Make the previews of a tick and publish them."""
+        now = start_ns / NANOSECONDS
+        self._input.begin(now)
+        previews = tuple(
+            preview.labeled(preview.kind, preview.stale, preview.name or self._name)
+            for preview in self._generator.previews(now)
+        )
+        self._message = previews_message(previews, start_ns, self.clock.epoch)
+        self._previews.publish(self._message)
+
+    def reset(self) -> None:
+        """Forget previews and inputs: those of the new run carry its stamps."""
+        self._generator.reset()
+        self._input.forget()
+
+    def take_over(self, states: Sequence[bytes], start_ns: int) -> bool:
+        """Start from what the newest serialized ControllerStates, one or two, say is in force.
+
+        False when inputs are missing without which there would be nothing to plan for them.
+        """
+        found = in_force(states, start_ns / NANOSECONDS, self._generator.kind)
+        self._generator.take_over(found)
+        return self._input.can_take_over(found)
+
+    def _on_input(self, message: Any) -> None:
+        self.after_first_tick(partial(self._take, message), self._input.newest_only)
+
+    def _take(self, message: Any) -> None:
+        stamp_ns = nanoseconds_from_time(message.header.stamp)
+        if self._waits_for_next_run(stamp_ns, partial(self._take, message)):
+            return
+        if self._input.take(message):
+            self.look_again()
 
     def listen(
         self,
@@ -129,7 +165,7 @@ class GeneratorNode(ABC, Generic[P]):
         else:
             handle()
 
-    def waits_for_next_run(self, stamp_ns: int, handle: Callable[[], None]) -> bool:
+    def _waits_for_next_run(self, stamp_ns: int, handle: Callable[[], None]) -> bool:
         """Whether a stamp [ns] is of a run that has not begun; then it is done when it begins."""
         if not self.clock.timeline.is_of_next_run(stamp_ns):
             return False
@@ -172,7 +208,7 @@ class GeneratorNode(ABC, Generic[P]):
                 handle()
             self._early.clear()
         if due is Due.REPEAT:
-            self.publish_again()
+            self._previews.publish(self._message)
         elif due is Due.PLAN:
             self._try_tick(stamp_ns)
         elif due in (Due.STALE, Due.IMPLAUSIBLE):
@@ -186,7 +222,7 @@ class GeneratorNode(ABC, Generic[P]):
         """Plan the tick of a stamp unless something is still to come."""
         start_ns = self.clock.start_of(stamp_ns)
         self._held_back_ns = stamp_ns
-        if not self.ready(start_ns) or self._waits_to_take_over(start_ns):
+        if not self._input.ready(start_ns) or self._waits_to_take_over(start_ns):
             return
         begun = time.perf_counter()
         self.plan(start_ns)
@@ -210,7 +246,10 @@ class GeneratorNode(ABC, Generic[P]):
         return time.monotonic() - self._waiting_since < self.parameters.take_over_timeout
 
     def _publish_diagnostics(self) -> None:
-        counts, trouble = self.report()
+        generator = self._generator
+        trouble = sum(generator.counts[name] for name in generator.TROUBLE)
+        more = {"second_opinions": generator.second_opinions, **self._input.counts}
+        counts: dict[str, int] = {**generator.counts, **more}
         refused = sum(self.rejections.counts.values())
         summary = "ok" if self.clock.now_ns >= 0 else "waiting for ghc/tick"
         if trouble or refused:
@@ -224,3 +263,39 @@ class GeneratorNode(ABC, Generic[P]):
                 max(self.clock.now_ns, 0), self._name, summary, bool(trouble or refused), values
             )
         )
+
+
+def _chosen() -> str:
+    """Value of the parameter `generator`.
+
+    Raises:
+        InvalidValue: none was given.
+    """
+    probe = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
+    try:
+        given = probe.get_parameter_or("generator").value
+    finally:
+        probe.destroy_node()
+    if not isinstance(given, str) or not given:
+        known = ", ".join(GENERATORS)
+        raise InvalidValue(f"parameter 'generator': nothing given, one of {known} expected")
+    return given
+
+
+def main(args: Sequence[str] | None = None, name: str = "") -> int:
+    """Run the node until a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
+    return run_node(name or NODE_NAME, partial(GeneratorNode, name=name), args)
+
+
+def contact_force_bounds(args: Sequence[str] | None = None) -> int:
+    """Run the generator of contact forces under its older name."""
+    return main(args, "contact_force_bounds")
+
+
+def obstacle_bounds(args: Sequence[str] | None = None) -> int:
+    """Run the generator of obstacle motion under its older name."""
+    return main(args, "obstacle_bounds")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

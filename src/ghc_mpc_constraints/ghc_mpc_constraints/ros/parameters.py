@@ -1,40 +1,50 @@
-"""Parameters of the nodes of this package."""
+"""Parameters of the node of a generator: its settings, and what only the node needs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import make_dataclass
+from functools import cache
+from typing import Any
 
 from ghc_controller.schema.declared import inline
 from ghc_controller.schema.parameters import EXECUTOR, not_negative, parameter
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import ForceBoundSettings
-from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleSettings
+from ghc_mpc_constraints.generator import GENERATORS, Generator, Schedules
 
-TAKE_OVER = parameter(
-    0.5, "[s] wall: wait for what is in force, and schedules, before the first plan", not_negative
+_TAKE_OVER = "[s] wall: wait for what is in force, and inputs, before the first plan"
+_SENSOR_PERIOD = (
+    "[s] of the robot's time: ticks at its multiples wait for the input of their stamp; 0 = never"
 )
+_LOCKSTEP = "refuse what would make a run depend on when it arrived"
 
 
-@dataclass(frozen=True, slots=True)
-class ForceBoundParameters:
-    """Parameters of contact_force_bounds: those of its settings, and what only the node needs."""
+def parameters_of(generator: type[Generator]) -> type[Any]:
+    """Dataclass with the parameters of the node that runs a generator.
 
-    settings: ForceBoundSettings = inline(ForceBoundSettings)
-    contacts: tuple[str, ...] = parameter((), "names that schedules may use; none = any")
-    lockstep: bool = parameter(False, "refuse what would make a run depend on when it arrived")
-    take_over_timeout: float = TAKE_OVER
-    executor: str = EXECUTOR
+    `settings`; `lockstep` and the names that schedules may use, or `sensor_period`; and
+    `take_over_timeout`, `executor`.
+    """
+    return _parameters(generator)
 
 
-@dataclass(frozen=True, slots=True)
-class ObstacleParameters:
-    """Parameters of obstacle_bounds: those of its settings, and what only the node needs."""
+def generator_parameters(name: str) -> type[Any]:
+    """The same by the name of the generator; raises as `GENERATORS[name]` does."""
+    return parameters_of(GENERATORS[name])
 
-    settings: ObstacleSettings = inline(ObstacleSettings)
-    sensor_period: float = parameter(
-        0.0,
-        "[s] of the robot's time: ticks at its multiples wait for the obstacles of their stamp; "
-        "0 = never",
-        not_negative,
-    )
-    take_over_timeout: float = TAKE_OVER
-    executor: str = EXECUTOR
+
+@cache
+def _parameters(generator: type[Generator]) -> type[Any]:
+    given = generator.input
+    fields: list[tuple[str, Any, Any]] = [
+        ("settings", generator.settings_type, inline(generator.settings_type))
+    ]
+    if isinstance(given, Schedules):
+        names = parameter((), "names that schedules may use; none = any")
+        fields += [(given.names, tuple[str, ...], names)]
+        fields += [("lockstep", bool, parameter(False, _LOCKSTEP))]
+    else:
+        fields += [("sensor_period", float, parameter(0.0, _SENSOR_PERIOD, not_negative))]
+    fields += [("take_over_timeout", float, parameter(0.5, _TAKE_OVER, not_negative))]
+    fields += [("executor", str, EXECUTOR)]
+    name = f"{generator.__name__}Parameters"
+    doc = {"__doc__": f"Parameters of the node that runs {generator.__name__}."}
+    return make_dataclass(name, fields, namespace=doc, frozen=True, slots=True)

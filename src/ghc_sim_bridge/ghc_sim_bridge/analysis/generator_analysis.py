@@ -21,6 +21,7 @@ from ghc_sim_bridge.analysis.generator_metrics import (
     event_windows,
     force_following,
 )
+from ghc_sim_bridge.analysis.limit_history import LimitHistory, limit_histories
 from ghc_sim_bridge.analysis.obstacle_distance import DistanceHistory, obstacle_distance
 from ghc_sim_bridge.logs.constraint_series import ConstraintSeries
 from ghc_sim_bridge.scene.description import load_scene
@@ -39,6 +40,7 @@ class GeneratorAnalysis:
     forces: Mapping[str, Array]  # contact -> (T,) [N] simulated, along its normal
     following: Mapping[str, ForceFollowing]
     distances: Mapping[str, DistanceHistory]
+    limits: Mapping[str, LimitHistory]  # "joint_limits/joint_1" and the like
 
     def summary(self) -> dict[str, Any]:
         """The part of summary.json on bounds and events."""
@@ -56,6 +58,14 @@ class GeneratorAnalysis:
                     "inside_safe_distance_s": history.time_inside,
                 }
                 for name, history in self.distances.items()
+            },
+            "limits": {
+                name: {
+                    "looser_than_raw": history.looser_than_raw,
+                    "beyond_raw": history.beyond_raw,
+                    "beyond_in_force": history.beyond_in_force,
+                }
+                for name, history in self.limits.items()
             },
         }
 
@@ -85,6 +95,7 @@ def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> Generato
             for obstacle in load_scene(plan.scenario.scene).obstacles
             if obstacle.id in series.obstacles
         },
+        limits=limit_histories(series, plan.scenario, log),
     )
 
 

@@ -22,6 +22,7 @@ def generator_figure(off: GeneratorAnalysis, on: GeneratorAnalysis) -> Figure:
         *((_draw_force, name) for name in on.forces),
         *((_draw_distance, name) for name in on.distances),
         *((_draw_path, task.name) for task in _moving(on)),
+        *((_draw_limit, name) for name in on.limits),
         (_draw_torques, ""),
         (_draw_rates, ""),
     ]
@@ -73,6 +74,20 @@ def _draw_distance(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
     safe = float(history.safe_distance.max(initial=0.0))
     ax.set_ylim(0.5 * safe, 2.2 * safe)
     ax.set_ylabel(f"distance to\n{name} [m]")
+
+
+def _draw_limit(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
+    if name not in run.limits:
+        return
+    history, joint = run.limits[name], name.split("/", 1)[1]
+    what = "position" if history.unit == "rad" else "torque"
+    for side, (raw, moving) in ((UPPER, ("raw", "in force")), (LOWER, (None, None))):
+        edges = history.raw[:, side]
+        ax.step(history.time, edges, color="#BBBBBB", lw=2.5, where="post", label=raw)
+        limit = history.limits[:, side]
+        ax.plot(history.time, limit, color=colour(1), ls="--", lw=1.0, label=moving)
+    ax.plot(history.time, history.value, color=colour(0), label=what)
+    ax.set_ylabel(f"{what} of\n{joint} [{history.unit}]")
 
 
 def _draw_path(ax: Axes, run: GeneratorAnalysis, name: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +12,8 @@ import numpy as np
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.types import Array
 
-_CONTACT, _OBSTACLE = "contact_", "obstacle_"
-_CONTACT_COLUMNS, _OBSTACLE_COLUMNS = 3, 13
+_CONTACT, _OBSTACLE, _LIMIT = "contact_", "obstacle_", "limit_"
+_CONTACT_COLUMNS, _OBSTACLE_COLUMNS, _LIMIT_COLUMNS = 3, 13, 2
 LOWER, UPPER, FORCE = range(_CONTACT_COLUMNS)
 POSITION, VELOCITY, ACCELERATION, NORMAL = (slice(3 * k, 3 * k + 3) for k in range(4))
 SAFE_DISTANCE = 12
@@ -28,17 +28,20 @@ class ConstraintSeries:
     obstacles: Mapping[str, Array]  # id -> (S, 13) position [m], velocity, acceleration, normal,
     #                                 safe distance [m]; world axes
     frames: Mapping[str, str]  # id -> frame that it threatens
+    # "joint_limits/joint_1" or "torque_limits/.." -> (S, 2) lower, upper [rad] or [Nm]
+    limits: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def is_empty(self) -> bool:
         """True when the controller had neither bounds nor obstacles."""
-        return not self.contacts and not self.obstacles
+        return not (self.contacts or self.obstacles or self.limits)
 
     def save(self, path: Path) -> None:
         """Write an .npz."""
         arrays: dict[str, Any] = {"time": self.time}
         arrays |= {_CONTACT + name: values for name, values in self.contacts.items()}
         arrays |= {_OBSTACLE + name: values for name, values in self.obstacles.items()}
+        arrays |= {_LIMIT + name: values for name, values in self.limits.items()}
         arrays["frames"] = np.array(
             [[name, frame] for name, frame in self.frames.items()], dtype=np.str_
         ).reshape(-1, 2)
@@ -54,6 +57,7 @@ class ConstraintSeries:
                     contacts=_with_prefix(data, _CONTACT),
                     obstacles=_with_prefix(data, _OBSTACLE),
                     frames={str(name): str(frame) for name, frame in data["frames"]},
+                    limits=_with_prefix(data, _LIMIT),
                 )
         except (OSError, KeyError, ValueError) as error:
             raise ConfigurationError(f"constraints of a run, '{path}': {error}") from error
@@ -67,6 +71,7 @@ class ConstraintTrace:
         self._contacts: dict[str, dict[int, list[float]]] = {}  # name -> row -> values
         self._obstacles: dict[str, dict[int, list[float]]] = {}
         self._frames: dict[str, str] = {}
+        self._limits: dict[str, dict[int, list[float]]] = {}
 
     def append(self, time: float, state: Any) -> None:
         """Add one ControllerState at `time` [s], later than the ones before."""
@@ -86,6 +91,10 @@ class ConstraintTrace:
                 entry.safe_distance,
             ]
 
+        for bound in state.bounds:
+            name = f"{bound.kind}/{bound.row}"
+            self._limits.setdefault(name, {})[row] = [bound.lower, bound.upper]
+
     def series(self) -> ConstraintSeries:
         """What has been collected."""
         count = len(self._time)
@@ -96,6 +105,7 @@ class ConstraintTrace:
                 n: _filled(r, count, _OBSTACLE_COLUMNS) for n, r in self._obstacles.items()
             },
             frames=dict(self._frames),
+            limits={n: _filled(r, count, _LIMIT_COLUMNS) for n, r in self._limits.items()},
         )
 
 

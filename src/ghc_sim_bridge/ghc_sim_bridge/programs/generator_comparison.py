@@ -62,6 +62,10 @@ def comparison(
                 name: {side: bounds[side]["obstacles"].get(name) for side in sides}
                 for name in on.distances
             },
+            "limits": {
+                name: {side: bounds[side]["limits"].get(name) for side in sides}
+                for name in on.limits
+            },
             **{
                 figure: {side: summary[figure] for side, summary in sides.items()}
                 for figure in (
@@ -94,6 +98,8 @@ def comparison_table(data: Mapping[str, Any]) -> str:
         lines += [f"contact {name}, generators {side}: {_force(v)}" for side, v in sides.items()]
     for name, sides in data["obstacles"].items():
         lines += [f"obstacle {name}, generators {side}: {_way(v)}" for side, v in sides.items()]
+    for name, sides in data["limits"].items():
+        lines += [f"{name}, generators {side}: {_limit(v)}" for side, v in sides.items()]
     factors = data["real_time_factor"]
     lines.append(f"real time factor: off {factors['off']:.2f}, on {factors['on']:.2f}")
     return "\n".join(lines)
@@ -141,4 +147,13 @@ def _way(values: Mapping[str, float] | None) -> str:
     return (
         f"eq. 4.2 missed by at most {values['qp_violation_m']:.1e} m; inside the safe "
         f"distance of the obstacle itself for {values['inside_safe_distance_s']:.2g} s"
+    )
+
+
+def _limit(values: Mapping[str, float] | None) -> str:
+    if values is None:
+        return "never followed"
+    return (
+        f"limit looser than raw by at most {values['looser_than_raw']:.1e}; joint beyond the raw "
+        f"limit by at most {values['beyond_raw']:.1e}"
     )

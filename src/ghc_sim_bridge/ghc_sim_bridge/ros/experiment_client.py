@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
 from ghc_msgs.msg import (
-    ContactForceBounds,
-    ContactSchedule,
+    ConstraintPreviews,
     ControllerState,
     Epoch,
     PriorityMatrix,
@@ -15,6 +14,7 @@ from ghc_msgs.msg import (
 )
 from rclpy.context import Context
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
@@ -22,31 +22,32 @@ from std_msgs.msg import Header
 from std_srvs.srv import SetBool
 
 from ghc_controller.errors import GhcError
+from ghc_controller.ros.previews import PREVIEW_TOPIC
 from ghc_controller.ros.qos import (
     CONTROL_SUBSCRIBER_QOS,
     LATCHED_QOS,
+    PREVIEW_SUBSCRIBER_QOS,
     RELIABLE_QOS,
     SCHEDULE_QOS,
     TRACE_QOS,
 )
 from ghc_controller.ros.time import seconds_from_time
 from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
+from ghc_mpc_constraints.ros.conversions import schedule_message
+from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 from ghc_sim_bridge.ros.experiment_conversions import (
     ScriptedTransition,
     reference_message,
-    schedule_message,
     transition_message,
 )
 from ghc_sim_bridge.scenario.references import Reference
-from ghc_sim_bridge.scenario.schedules import ScriptedSchedule
 
 STATE_TOPIC = "joint_states"
 TICK_TOPIC = "ghc/tick"
 REPORT_TOPIC = "ghc/controller_state"
 REFERENCE_TOPIC = "ghc/task_reference"
 TRANSITION_TOPIC = "ghc/priority_transition"
-SCHEDULE_TOPIC = "constraints/contact_schedule"
 OBSTACLE_TOPIC = "constraints/obstacles"
 
 
@@ -66,9 +67,9 @@ class ExperimentClient(Node):
         self.run_start: float | None = None  # [s] stamp of the first state of the run
         self.state_time: float | None = None  # [s] of the run, latest joint state, while watched
         self.diagnostics: dict[str, dict[str, str]] = {}  # node -> its latest values
-        self.planned_contacts: set[str] = set()  # of the plans seen before time runs
+        self.planned_rows: set[str] = set()  # of the previews seen before time runs
         self._states: Subscription | None = None
-        self._schedules = self.create_publisher(ContactSchedule, SCHEDULE_TOPIC, SCHEDULE_QOS)
+        self._schedules: dict[str, Publisher] = {}  # topic -> publisher
         self._references = self.create_publisher(TaskReference, REFERENCE_TOPIC, RELIABLE_QOS)
         self._transitions = self.create_publisher(
             PriorityTransition, TRANSITION_TOPIC, RELIABLE_QOS
@@ -79,11 +80,8 @@ class ExperimentClient(Node):
             TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
         )
         self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
-        self._plans = self.create_subscription(
-            ContactForceBounds,
-            "constraints/contact_force_bounds",
-            self._on_plan,
-            CONTROL_SUBSCRIBER_QOS,
+        self._previews = self.create_subscription(
+            ConstraintPreviews, PREVIEW_TOPIC, self._on_previews, PREVIEW_SUBSCRIBER_QOS
         )
         self._matrices = self.create_subscription(
             PriorityMatrix, "ghc/priority_matrix", self._on_matrix, LATCHED_QOS
@@ -119,19 +117,21 @@ class ExperimentClient(Node):
         """Send one transition; the answer comes by `raise_if_rejected` and `accepted`."""
         self._transitions.publish(transition_message(transition, self.run_start or 0.0))
 
-    def publish_schedule(self, schedule: ScriptedSchedule) -> None:
-        """Send what one contact may carry, at times of the run."""
-        self._schedules.publish(schedule_message(schedule, self.run_start or 0.0))
+    def publish_schedule(self, topic: str, schedule: LimitSchedule) -> None:
+        """Send what one contact or joint is allowed, at times of the run."""
+        message = schedule_message(schedule, self.run_start or 0.0)
+        if topic not in self._schedules:
+            self._schedules[topic] = self.create_publisher(type(message), topic, SCHEDULE_QOS)
+        self._schedules[topic].publish(message)
 
-    def schedules_judged(self) -> int:
-        """How many schedules the generator has accepted or refused, by its diagnostics."""
-        values = self.diagnostics.get("contact_force_bounds", {})
-        return int(values.get("schedules", 0)) + self.schedules_refused()
+    def schedules_judged(self, generator: str, topic: str) -> int:
+        """How many schedules a generator has accepted or rejected, by its diagnostics."""
+        values = self.diagnostics.get(generator, {})
+        return int(values.get("schedules", 0)) + self.schedules_rejected(generator, topic)
 
-    def schedules_refused(self) -> int:
-        """How many of them it refused."""
-        values = self.diagnostics.get("contact_force_bounds", {})
-        return int(values.get(f"rejected_{SCHEDULE_TOPIC}", 0))
+    def schedules_rejected(self, generator: str, topic: str) -> int:
+        """How many of them it rejected."""
+        return int(self.diagnostics.get(generator, {}).get(f"rejected_{topic}", 0))
 
     def raise_if_rejected(self) -> None:
         """Raise TransitionRejected with the controller's reason, if it refused one."""
@@ -148,7 +148,7 @@ class ExperimentClient(Node):
 
     def resume(self) -> Future:
         """Ask the bridge to let time run; plans are not read any more."""
-        self.destroy_subscription(self._plans)
+        self.destroy_subscription(self._previews)
         return self._pause.call_async(SetBool.Request(data=False))
 
     def _on_status(self, message: TransitionStatus) -> None:
@@ -160,8 +160,9 @@ class ExperimentClient(Node):
         for status in message.status:
             self.diagnostics[status.name] = {pair.key: pair.value for pair in status.values}
 
-    def _on_plan(self, message: ContactForceBounds) -> None:
-        self.planned_contacts |= set(message.contacts)
+    def _on_previews(self, message: ConstraintPreviews) -> None:
+        for preview in message.previews:
+            self.planned_rows |= set(preview.rows)
 
     def _on_matrix(self, _message: PriorityMatrix) -> None:
         self.controller_spoke = True

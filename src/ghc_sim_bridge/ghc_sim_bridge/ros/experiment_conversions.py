@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from builtin_interfaces.msg import Duration
-from ghc_msgs.msg import ContactSchedule, PriorityTransition, TaskReference, TaskReferencePoint
+from ghc_msgs.msg import PriorityTransition, TaskReference, TaskReferencePoint
 
 from ghc_controller.ros.time import time_from_seconds
 from ghc_sim_bridge.scenario.phase import PriorityTable
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint
-from ghc_sim_bridge.scenario.schedules import ScriptedSchedule
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,18 +45,6 @@ def transition_message(transition: ScriptedTransition, run_start: float) -> Prio
     else:
         message.tasks = list(transition.table.tasks)
         message.alpha = [entry for row in transition.table.alpha for entry in row]
-    return message
-
-
-def schedule_message(schedule: ScriptedSchedule, run_start: float) -> ContactSchedule:
-    """What one contact may carry in a run that begins at `run_start` [s] of simulated time."""
-    message = ContactSchedule(contact=schedule.contact)
-    # A nanosecond is as good as zero, which would mean: on receipt.
-    message.header.stamp = time_from_seconds(max(run_start, 1e-9))
-    if schedule.known_from > 0.0:
-        message.known_from = time_from_seconds(run_start + schedule.known_from)
-    message.times = list(schedule.times)
-    message.lower, message.upper = list(schedule.lower), list(schedule.upper)
     return message
 
 

@@ -11,6 +11,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 from ghc_controller.errors import GhcError
 from ghc_controller.ros.stop_signals import raise_if_stopped
+from ghc_mpc_constraints.generator import GENERATORS
 from ghc_sim_bridge.ros.experiment_client import ExperimentClient, ScriptedTransition
 from ghc_sim_bridge.ros.experiment_nodes import MAY_END, read_before_start
 from ghc_sim_bridge.run.processes import NodeProcesses
@@ -125,26 +126,32 @@ class ExperimentDriver:
                 )
 
     def _send_schedules(self) -> None:
-        """What contacts may carry; until the generator has it and its plan shows it."""
-        client, schedules = self._client, self._plan.scenario.contact_schedules
+        """What contacts and joints are allowed; until generators have it and previews show it."""
+        for topic, schedules in self._plan.scenario.schedules().items():
+            for schedule in schedules:
+                self._client.publish_schedule(topic, schedule)
+        for generator in self._plan.scenario.generators:
+            self._wait_until_judged(generator)
+
+    def _wait_until_judged(self, generator: str) -> None:
+        client, topic = self._client, GENERATORS[generator].input.topic
+        schedules = self._plan.scenario.schedules().get(topic, ())
         if not schedules:
             return
-        for schedule in schedules:
-            client.publish_schedule(schedule)
         self._until(
-            lambda: client.schedules_judged() >= len(schedules),
-            "the generator's word on the contact schedules",
+            lambda: client.schedules_judged(generator, topic) >= len(schedules),
+            f"the answer of {generator} to the schedules",
             _ANSWER_DEADLINE,
         )
-        if client.schedules_refused():
+        if client.schedules_rejected(generator, topic):
             raise GhcError(
-                "contact_force_bounds refused a contact schedule; the end of its output:\n"
-                + self._nodes.last_lines("contact_force_bounds")
+                f"{generator} rejected a schedule; the end of its output:\n"
+                + self._nodes.last_lines(generator)
             )
-        known = {schedule.contact for schedule in schedules if schedule.known_from <= 0.0}
+        known = {schedule.name for schedule in schedules if schedule.known_from is None}
         self._until(
-            lambda: known <= client.planned_contacts,
-            f"a plan for the contacts {', '.join(sorted(known))}",
+            lambda: known <= client.planned_rows,
+            f"a preview for {', '.join(sorted(known))}",
             _ANSWER_DEADLINE,
         )
 

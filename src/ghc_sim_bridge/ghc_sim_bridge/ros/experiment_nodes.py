@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ghc_mpc_constraints.generators import GENERATORS
+from ghc_mpc_constraints.generator import GENERATORS
 from ghc_sim_bridge.ros.experiment_client import (
     REFERENCE_TOPIC,
     REPORT_TOPIC,
@@ -32,12 +32,11 @@ def executable_of(node: str) -> tuple[str, str]:
     """Package and executable of a node of a run."""
     if node in _EXECUTABLES:
         return _EXECUTABLES[node]
-    generator = GENERATORS[node]
-    return generator.package, generator.executable
+    return "ghc_mpc_constraints", "generator"
 
 
 def read_before_start(node: str) -> tuple[str, ...]:
     """Topics to which a node has to subscribe before anything is sent."""
     if node in _EXECUTABLES:
         return _READ_BEFORE_START.get(node, ())
-    return TICK_TOPIC, GENERATORS[node].reads
+    return TICK_TOPIC, GENERATORS[node].input.topic

@@ -61,7 +61,8 @@ def _run(plan: RunPlan) -> RunOutcome:
     try:
         with NodeProcesses(plan.folder / "logs", environment, _placement(plan, domain)) as nodes:
             for name in plan.parameters:
-                arguments = ["--ros-args", "--params-file", str(plan.folder / "parameters.yaml")]
+                parameters = ("--params-file", str(plan.folder / "parameters.yaml"))
+                arguments = ["--ros-args", "-r", f"__node:={name}", *parameters]
                 nodes.start(name, *executable_of(name), arguments)
             wall_seconds, trace = _drive(plan, nodes, domain.id)
             nodes.stop()

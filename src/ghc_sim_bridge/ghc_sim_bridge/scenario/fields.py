@@ -12,16 +12,20 @@ from ghc_controller.formulations import DEFAULT_FORMULATION, FORMULATIONS
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, Range
 from ghc_controller.types import CONTROL_DT
-from ghc_mpc_constraints.generators import GENERATORS
+from ghc_mpc_constraints.generator import GENERATORS
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 from ghc_sim_bridge.scenario.keyframes import Keyframes
 from ghc_sim_bridge.scenario.node_sections import NODES, read_formulations, read_parameters
 from ghc_sim_bridge.scenario.phase import Phase
 from ghc_sim_bridge.scenario.references import Reference, ReferenceFields, read_references
 from ghc_sim_bridge.scenario.schedules import (
+    SECTIONS,
     Event,
+    LimitFields,
     ScheduleFields,
-    ScriptedSchedule,
     read_generators,
+    read_limits,
     read_schedules,
 )
 from ghc_sim_bridge.scenario.walk.walk import Walk
@@ -84,11 +88,23 @@ class Scenario:
         read=read_generators,
         schema=lambda schema: schema.node_parameters(GENERATORS.built_in),
     )
-    contact_schedules: tuple[ScriptedSchedule, ...] = declared(
+    contact_schedules: tuple[ContactSchedule, ...] = declared(
         "what each contact may carry, for the generator of force bounds",
         (),
         read=read_schedules,
         schema=lambda schema: {"type": "array", "items": schema.record(ScheduleFields)},
+    )
+    joint_limit_schedules: tuple[LimitSchedule, ...] = declared(
+        "where joints may be [rad], for the generator of joint limits",
+        (),
+        read=read_limits,
+        schema=lambda schema: {"type": "array", "items": schema.record(LimitFields)},
+    )
+    torque_limit_schedules: tuple[LimitSchedule, ...] = declared(
+        "what motors may give [Nm], for the generator of torque limits",
+        (),
+        read=read_limits,
+        schema=lambda schema: {"type": "array", "items": schema.record(LimitFields)},
     )
     events: tuple[Event, ...] = declared(
         "jumps whose cost is compared without and with generators", ()
@@ -107,6 +123,11 @@ class Scenario:
     file: Path = Path()
     variant: str = ""  # "" when the file has no variants
     variants: tuple[str, ...] = ()  # all names in the file, the default one first
+
+    def schedules(self) -> Mapping[str, tuple[LimitSchedule, ...]]:
+        """Topic -> what goes there before time runs; without those that are empty."""
+        found = {topic: getattr(self, section) for section, topic in SECTIONS.items()}
+        return {topic: schedules for topic, schedules in found.items() if schedules}
 
     def __post_init__(self) -> None:
         """Raise InvalidField for events that do not follow each other."""

@@ -10,9 +10,9 @@ from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 from ghc_controller.settings import Settings
-from ghc_mpc_constraints.generators import GENERATORS
+from ghc_mpc_constraints.generator import GENERATORS
+from ghc_mpc_constraints.ros.parameters import generator_parameters
 from ghc_sim_bridge.parameters import BridgeParameters, RecorderParameters, ViewerParameters
-from ghc_sim_bridge.scenario.schedules import generator_parameters
 
 CHECKED: Mapping[str, type] = {
     "sim_bridge": BridgeParameters,

@@ -6,8 +6,9 @@ import math
 from typing import Any
 
 from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_mpc_constraints.generators import GENERATORS
+from ghc_mpc_constraints.generator import GENERATORS
 from ghc_sim_bridge.scenario.plan import RunPlan
+from ghc_sim_bridge.scenario.schedules import reads_schedules
 from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.simulation.timing import PHYSICS_DT
 
@@ -69,8 +70,8 @@ def _generator_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
     lockstep = plan.options.mode == "lockstep"
     nodes: dict[str, dict[str, Any]] = {}
     for name in scenario.generators:
-        nodes[name] = {"smoothing": plan.options.generators is not False}
-        if GENERATORS[name].reads_schedules:
+        nodes[name] = {"generator": name, "smoothing": plan.options.generators is not False}
+        if reads_schedules(name):
             nodes[name]["lockstep"] = lockstep
         elif lockstep:
             # Ticks at multiples of the sensor's period wait for what it saw.
@@ -87,7 +88,7 @@ def _waiting_for(plan: RunPlan) -> dict[str, Any]:
     steps = {float(values["step"]) for values in generators.values() if "step" in values}
     if len(steps) > 1:
         raise InvalidValue(f"generators of '{plan.scenario.name}': one step expected, {steps}")
-    waiting: dict[str, Any] = {"wait_for_bounds": [GENERATORS[name].plan for name in generators]}
+    waiting: dict[str, Any] = {"wait_for_bounds": [GENERATORS[name].kind for name in generators]}
     return waiting | ({"bounds_step": steps.pop()} if steps else {})
 
 

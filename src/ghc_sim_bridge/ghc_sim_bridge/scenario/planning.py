@@ -13,7 +13,7 @@ import yaml
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import FORMULATIONS, blending_formulations
 from ghc_controller.robot.library import find_robot
-from ghc_mpc_constraints.generators import GENERATORS
+from ghc_mpc_constraints.generator import GENERATORS
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.home import results_home
 from ghc_sim_bridge.scenario.keyframe_references import keyframe_references
@@ -111,7 +111,7 @@ def _check_names(plan: RunPlan) -> None:
     Raises UnknownName, or ConfigurationError for a robot's file that cannot be read.
     """
     scenario = plan.scenario
-    scheduled = [schedule.contact for schedule in scenario.contact_schedules]
+    scheduled = [schedule.name for schedule in scenario.contact_schedules]
     moved = [reference.task for reference in scenario.references]
     if not (scheduled or moved):
         return

@@ -17,9 +17,10 @@ from ghc_controller.schema.merging import merged
 from ghc_controller.schema.plugged_files import Files, plugged_file
 from ghc_controller.schema.reader import Fields, read_yaml
 from ghc_controller.schema.record import read
-from ghc_mpc_constraints.generators import GENERATORS
+from ghc_mpc_constraints.generator import GENERATORS
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.phase import AS_SCENARIO
+from ghc_sim_bridge.scenario.schedules import SECTIONS
 from ghc_sim_bridge.scenario.walk.walk import walk_events, walk_references, walk_schedules
 
 SCENARIOS: Registry[Files] = Registry("scenario", "ghc_sim_bridge.scenarios")
@@ -84,12 +85,15 @@ def _read_scenario(
         scenario = _with_walk(scenario)
     except InvalidField as error:
         raise fields.error(error.field, error.problem) from error
-    if scenario.contact_schedules and not any(
-        GENERATORS[generator].reads_schedules for generator in scenario.generators
-    ):
-        raise fields.error(
-            "contact_schedules", "nobody reads them: generators has no contact_force_bounds"
-        )
+    read_topics = {GENERATORS[generator].input.topic for generator in scenario.generators}
+    for section, topic in SECTIONS.items():
+        if topic in scenario.schedules() and topic not in read_topics:
+            readers = [
+                name for name, kind in GENERATORS.usable().items() if kind.input.topic == topic
+            ]
+            raise fields.error(
+                section, f"nobody reads them: generators has none of {', '.join(readers)}"
+            )
     return scenario
 
 

@@ -1,80 +1,111 @@
-"""Plans of the constraint generators: from messages to values, and what is in force back."""
+"""Previews of the constraint generators: from messages to values and back."""
 
 from __future__ import annotations
 
 import math
-from typing import TypeVar
 
 import numpy as np
-from ghc_msgs.msg import ContactForceBounds, ObstacleState, ObstacleStateArray
+from ghc_msgs.msg import ConstraintPreview, ConstraintPreviews, PlannedMotion
 
-from ghc_controller.contacts import ForceBoundsPlan, PlanStatus
 from ghc_controller.errors import InvalidValue, WrongSize
-from ghc_controller.previews.motion_plan import MotionPlan, MotionStatus, PlannedObstacle
+from ghc_controller.previews.motion import PlannedMotion as Motion
+from ghc_controller.previews.preview import Preview, StaleRule
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.report.report import ObstacleReport
-from ghc_controller.ros.time import nanoseconds_from_time
-from ghc_controller.types import NANOSECONDS, UNIT_TOLERANCE, Array
+from ghc_controller.ros.conversions.common import doubles
+from ghc_controller.ros.time import time_from_nanoseconds
+from ghc_controller.types import UNIT_TOLERANCE, Array
 
-Status = TypeVar("Status", PlanStatus, MotionStatus)
-
-SHORTEST_STEP, LONGEST_STEP = 1e-6, 10.0  # [s] between two points of a plan
+SHORTEST_STEP, LONGEST_STEP = 1e-6, 10.0  # [s] between two points of a preview
+MOST_POINTS = 100_000  # [-]
 # What a planned obstacle may be at most, along one axis.
 FARTHEST, FASTEST, SHARPEST, JERKIEST = 100.0, 20.0, 1e3, 1e6  # [m], [m/s], [m/s^2], [m/s^3]
 
 
-def force_bounds_from_message(message: ContactForceBounds) -> ForceBoundsPlan:
-    """Plan of a message.
+def preview_from_message(message: ConstraintPreview, start: float) -> Preview:
+    """Preview of a message; `start` [s] is the stamp of all of one tick.
 
     Raises:
         GhcError: sizes that do not fit together, entries that are not finite, a step out of
-            range, an end before the start, an unknown status.
+            range, a normal that is not of unit length, an unknown status or stale rule.
     """
-    where, count = "contact_force_bounds", len(message.contacts)
-    start, _ = _start_and_length(message)
-    for name in ("in_contact", "conflict", "status"):
+    step, points = _checked_step(message.step), int(message.points)
+    if not 2 <= points <= MOST_POINTS:
+        raise InvalidValue(f"points: {points} given, 2 to {MOST_POINTS} expected")
+    stale = _stale_rule(message.stale_rule)
+    if message.motions:
+        motions = tuple(_motion(entry, points - 1) for entry in message.motions)
+        moving = Preview.of_motions(start, step, points - 1, motions)
+        return moving.labeled(message.kind, stale, message.name)
+    count = len(message.rows)
+    for name in ("active", "conflict", "status"):
         if len(getattr(message, name)) != count:
-            raise WrongSize(f"{where}, {name}", len(getattr(message, name)), count)
-    return ForceBoundsPlan(
+            raise WrongSize(f"{message.kind}, {name}", len(getattr(message, name)), count)
+    return Preview(
+        message.kind,
         start,
-        _checked_step(message.step),
-        tuple(message.contacts),
+        step,
+        tuple(message.rows),
         _bounds(message, "lower"),
         _bounds(message, "upper"),
-        tuple(message.in_contact),
-        tuple(_status(PlanStatus, value, where) for value in message.status),
+        tuple(message.active),
+        tuple(_status(value, message.kind) for value in message.status),
         tuple(message.conflict),
         message.interpolate,
+        (),
+        stale,
+        message.name,
     )
 
 
-def obstacle_motion_from_message(message: ObstacleStateArray) -> MotionPlan:
-    """Plan of a message.
-
-    Raises:
-        GhcError: sizes that do not fit, entries that are not finite, a step out of range, an end
-            before the start, a normal that is not of unit length, an unknown status.
-    """
-    start, length = _start_and_length(message)
-    step = _checked_step(message.step)
-    steps = round(length / step)
-    planned = tuple(_planned_obstacle(entry, steps) for entry in message.obstacles)
-    return MotionPlan(start, step, steps, planned)
+def previews_message(
+    previews: tuple[Preview, ...], start_ns: int, epoch: int
+) -> ConstraintPreviews:
+    """Message of what one generator plans at a tick [ns]."""
+    message = ConstraintPreviews(epoch=epoch)
+    message.header.stamp = time_from_nanoseconds(start_ns)
+    message.previews = [_preview_message(preview) for preview in previews]
+    return message
 
 
-def _start_and_length(message: ContactForceBounds | ObstacleStateArray) -> tuple[float, float]:
-    """Start and length [s] of a plan; InvalidValue when it ends before it starts."""
-    start = nanoseconds_from_time(message.header.stamp)
-    length = nanoseconds_from_time(message.valid_until) - start
-    if length < 0:
-        raise InvalidValue(
-            f"valid_until {-length / NANOSECONDS:g} s before the stamp given, "
-            "the stamp or later expected"
-        )
-    return start / NANOSECONDS, length / NANOSECONDS
+def obstacle_message(report: ObstacleReport) -> PlannedMotion:
+    """A virtual obstacle as a control step used it; the jerk is left empty."""
+    return _motion_message(report.planned, report.state, report.planned.jerk[:0])
+
+
+def motion_state(entry: PlannedMotion) -> Array:
+    """(3, 3) rows: position, velocity, acceleration."""
+    rows = [entry.position, entry.velocity, entry.acceleration]
+    return np.array([list(row) for row in rows], dtype=np.float64)
+
+
+def _preview_message(preview: Preview) -> ConstraintPreview:
+    message = ConstraintPreview(kind=preview.kind, name=preview.name, step=preview.step)
+    message.points, message.interpolate = preview.lower.shape[1], preview.interpolate
+    message.stale_rule = preview.stale.value
+    if preview.motions:
+        message.motions = [
+            _motion_message(motion, motion.state, motion.jerk) for motion in preview.motions
+        ]
+        return message
+    message.rows = list(preview.rows)
+    message.lower, message.upper = doubles(preview.lower), doubles(preview.upper)
+    message.active, message.conflict = list(preview.active), list(preview.conflict)
+    message.status = [status.value for status in preview.status]
+    return message
+
+
+def _motion_message(motion: Motion, state: Array, jerk: Array) -> PlannedMotion:
+    entry = PlannedMotion(id=motion.id, protected_frame=motion.frame, status=motion.status.value)
+    entry.safe_distance = float(motion.safe_distance)
+    entry.normal[:] = motion.normal
+    entry.position[:], entry.velocity[:], entry.acceleration[:] = state
+    entry.jerk = doubles(jerk)
+    return entry
 
 
 def _checked_step(step: float) -> float:
-    """The step [s] of a plan; InvalidValue when it is out of range or no number."""
+    """The step [s] of a preview; InvalidValue when it is out of range or no number."""
     if not SHORTEST_STEP <= step <= LONGEST_STEP:
         raise InvalidValue(
             f"step {step:g} s given, {SHORTEST_STEP:g} to {LONGEST_STEP:g} s expected"
@@ -82,30 +113,36 @@ def _checked_step(step: float) -> float:
     return step
 
 
-def _bounds(message: ContactForceBounds, name: str) -> Array:
-    """(c, p) [N] lower or upper bounds; GhcError for other sizes or what is not finite."""
-    count, points = len(message.contacts), int(message.points)
-    if points < 2:
-        raise InvalidValue(f"contact_force_bounds, points: {points} given, 2 or more expected")
+def _bounds(message: ConstraintPreview, name: str) -> Array:
+    """(r, p) lower or upper bounds; GhcError for other sizes or what is not finite."""
+    count, points = len(message.rows), int(message.points)
     values = np.array(getattr(message, name), dtype=np.float64)
     if values.shape != (count * points,):
-        raise WrongSize(f"contact_force_bounds, {name}", len(values), f"{count} * {points}")
+        raise WrongSize(f"{message.kind}, {name}", len(values), f"{count} * {points}")
     if not np.isfinite(values).all():
-        raise InvalidValue(f"contact_force_bounds, {name}: finite numbers expected")
+        raise InvalidValue(f"{message.kind}, {name}: finite numbers expected")
     return values.reshape(count, points)
 
 
-def _status(kind: type[Status], value: int, where: str) -> Status:
+def _status(value: int, where: str) -> PreviewStatus:
     """The status of that number; InvalidValue when there is none."""
     try:
-        return kind(int(value))
+        return PreviewStatus(int(value))
     except ValueError as error:
-        known = ", ".join(f"{status.value} ({status.name})" for status in kind)
+        known = ", ".join(f"{status.value} ({status.name})" for status in PreviewStatus)
         raise InvalidValue(f"{where}: status {value} given; known: {known}") from error
 
 
-def _planned_obstacle(entry: ObstacleState, steps: int) -> PlannedObstacle:
-    """One obstacle of a plan of so many steps; GhcError as in obstacle_motion_from_message."""
+def _stale_rule(value: int) -> StaleRule:
+    try:
+        return StaleRule(int(value))
+    except ValueError as error:
+        known = ", ".join(f"{rule.value} ({rule.name})" for rule in StaleRule)
+        raise InvalidValue(f"stale_rule {value} given; known: {known}") from error
+
+
+def _motion(entry: PlannedMotion, steps: int) -> Motion:
+    """One obstacle of a preview of so many steps; GhcError as in preview_from_message."""
     where = f"obstacle '{entry.id}'"
     normal, state = np.array(entry.normal, dtype=np.float64), motion_state(entry)
     jerk = np.array(entry.jerk, dtype=np.float64)
@@ -132,29 +169,12 @@ def _planned_obstacle(entry: ObstacleState, steps: int) -> PlannedObstacle:
     length = float(np.linalg.norm(normal))
     if not abs(length - 1.0) <= UNIT_TOLERANCE:  # as well when it is no number
         raise InvalidValue(f"{where}: normal of length {length:g} given, 1 expected")
-    return PlannedObstacle(
+    return Motion(
         entry.id,
         entry.protected_frame,
         entry.safe_distance,
         normal,
         state,
         jerk.reshape(-1, 3),
-        _status(MotionStatus, entry.status, where),
+        _status(entry.status, where),
     )
-
-
-def motion_state(entry: ObstacleState) -> Array:
-    """(3, 3) rows: position, velocity, acceleration."""
-    rows = [entry.position, entry.velocity, entry.acceleration]
-    return np.array([list(row) for row in rows], dtype=np.float64)
-
-
-def obstacle_message(report: ObstacleReport) -> ObstacleState:
-    """A virtual obstacle as a control step used it; the jerk is left empty."""
-    planned = report.planned
-    entry = ObstacleState(id=planned.id, protected_frame=planned.frame)
-    entry.safe_distance = float(planned.safe_distance)
-    entry.normal[:] = planned.normal
-    entry.position[:], entry.velocity[:], entry.acceleration[:] = report.state
-    entry.status = planned.status.value
-    return entry

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from ghc_msgs.msg import (
+    BoundInForce,
     ContactState,
     ControllerState,
     NamedCount,
@@ -76,6 +77,10 @@ def controller_state_message(
     ]
     message.torque = doubles(result.torque)
     message.contacts = _contacts(report)
+    message.bounds = [
+        BoundInForce(kind=limit.kind, row=limit.joint, lower=limit.lower, upper=limit.upper)
+        for limit in report.limits
+    ]
     message.time_terms = result.time_terms
     message.time_solve = result.time_solve
     message.time_step = result.time_step

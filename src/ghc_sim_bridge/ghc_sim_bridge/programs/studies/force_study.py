@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ghc_controller.types import Array
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundWeights
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 
 DROP, RISE, END = 4.0, 6.0, 10.0  # [s]
 STARTED = 1e-2  # [-] of the jump: a bound lower by this much has begun to move
@@ -67,7 +67,7 @@ def run_force(case: ForceCase) -> ForceRun:
     schedule = ContactSchedule.checked(
         "contact", [0.0, DROP, RISE], [0.0] * 3, [case.jump, 0.0, case.jump]
     )
-    generator.set_schedule(schedule, 0.0)
+    generator.observe(schedule, 0.0)
     time = _times(case.step)
     upper = np.array([generator.tick(now).upper[0, 0] for now in time])
     raw = np.array([schedule.at(now + 1e-9)[1] for now in time])
@@ -80,7 +80,7 @@ def run_both_bounds() -> tuple[Array, Array, Array]:
     schedule = ContactSchedule.checked(
         "contact", [0.0, 2.0, 4.0, 6.0, 8.0], [0, 1, 0, 0, 2], [5, 5, 0, 5, 3]
     )
-    generator.set_schedule(schedule, 0.0)
+    generator.observe(schedule, 0.0)
     time = _times(generator.settings.step)
     plans = [generator.tick(now) for now in time]
     smooth = np.array([[plan.lower[0, 0], plan.upper[0, 0]] for plan in plans])

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_mpc_constraints.force_bounds.contact_force_bounds import (
+from ghc_mpc_constraints.generators.contact_forces import (
     ContactForceBounds,
     ForceBoundSettings,
 )
-from ghc_mpc_constraints.force_bounds.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.generators.obstacle_motion import ObstacleBounds, ObstacleSettings
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
-from ghc_mpc_constraints.obstacle_motion.obstacle_bounds import ObstacleBounds, ObstacleSettings
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 
 Tick = Callable[[float], object]
 Feed = Callable[[int], None]  # called before each tick with its number
@@ -72,7 +72,7 @@ def _force(case: TickCase) -> tuple[Tick, Feed]:
     for i in range(case.count):
         times = [0.0, *(np.arange(1, 2 * TICKS // 100) * 0.5 + 0.07 * i)]
         on = np.arange(len(times)) % 2 == 0
-        generator.set_schedule(
+        generator.observe(
             ContactSchedule.checked(
                 f"contact_{i}", times, (10.0 * on).tolist(), (60.0 * on).tolist()
             ),

@@ -33,7 +33,7 @@ from ghc_controller.errors import ConfigurationError, GhcError, InvalidValue
 from ghc_controller.robot.library import load_robot
 from ghc_controller.ros.conversions.states import base_from_bytes, wrench_from_bytes
 from ghc_controller.ros.node_parameters import read_parameters
-from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, LATCHED_QOS, PLAN_QOS
+from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, LATCHED_QOS, PREVIEW_QOS
 from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node
 from ghc_controller.ros.time import time_from_nanoseconds
@@ -90,7 +90,7 @@ class DisplayPublisher:
     def _publish_what_stays(self, text: str) -> None:
         node = self.node
         self._tf = node.create_publisher(TFMessage, "/tf", TF_QOS)
-        self._markers = node.create_publisher(MarkerArray, "ghc/markers", PLAN_QOS)
+        self._markers = node.create_publisher(MarkerArray, "ghc/markers", PREVIEW_QOS)
         self._description = node.create_publisher(String, "robot_description", LATCHED_QOS)
         self._description.publish(String(data=text))
         self._static_tf = node.create_publisher(TFMessage, "/tf_static", STATIC_TF_QOS)

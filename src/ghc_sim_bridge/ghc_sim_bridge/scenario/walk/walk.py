@@ -17,8 +17,9 @@ from ghc_controller.errors import InvalidField
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, Range
 from ghc_controller.types import Array
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 from ghc_sim_bridge.scenario.references import Reference, ReferencePoint, Vector
-from ghc_sim_bridge.scenario.schedules import Event, ScriptedSchedule
+from ghc_sim_bridge.scenario.schedules import Event
 from ghc_sim_bridge.scenario.walk.zmp_preview import ZmpPreview
 
 SHORTEST_SWING = 0.05  # [s]
@@ -115,7 +116,7 @@ def walk_references(walk: Walk) -> tuple[Reference, ...]:
     return (Reference(walk.task, _center_of_mass(walk)), *feet)
 
 
-def walk_schedules(walk: Walk) -> tuple[ScriptedSchedule, ...]:
+def walk_schedules(walk: Walk) -> tuple[ContactSchedule, ...]:
     """Largest normal force of both contacts: zero from break to touch, little next to these."""
     return tuple(_schedule(walk, k) for k in range(2))
 
@@ -193,7 +194,7 @@ def _swings(walk: Walk, foot: int) -> tuple[ReferencePoint, ...]:
     return tuple(points)
 
 
-def _schedule(walk: Walk, foot: int) -> ScriptedSchedule:
+def _schedule(walk: Walk, foot: int) -> ContactSchedule:
     entries = [(0.0, walk.force_upper)]
     half = 0.5 * walk.double_support
     for step in walk_steps(walk):
@@ -205,4 +206,4 @@ def _schedule(walk: Walk, foot: int) -> ScriptedSchedule:
                 (step.touches + half, walk.force_upper),
             ]
     times, upper = zip(*((round(time, 9), force) for time, force in entries), strict=True)
-    return ScriptedSchedule(walk.feet[foot].contact, times, (0.0,) * len(times), upper, 0.0)
+    return ContactSchedule.checked(walk.feet[foot].contact, times, [0.0] * len(times), upper)

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ghc_controller.previews.motion_plan import (
-    MotionPlan,
-    MotionStatus,
-    PlannedObstacle,
-    integrate,
-    state_at,
-)
+from ghc_controller.errors import GhcError
+from ghc_controller.previews.motion import PlannedMotion, integrate, state_at
+from ghc_controller.previews.preview import OBSTACLE_MOTION, Preview
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.schema.declared import check, declared, inline
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
 from ghc_controller.types import Array
+from ghc_mpc_constraints.generator import Generator, Sensor, register_generator
 from ghc_mpc_constraints.obstacle_motion.approach import ReactionTime
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement, frame_of
 from ghc_mpc_constraints.obstacle_motion.virtual_obstacle import VirtualObstacle, at_rest
@@ -70,7 +69,30 @@ class ObstacleSettings:
         check(self)
 
 
-class ObstacleBounds:
+@dataclass(frozen=True, slots=True)
+class Measurements:
+    """Everything that a sensor sees at one instant."""
+
+    seen: tuple[Measurement, ...]
+    doubtful: tuple[str, ...] = ()  # ids whose measurement could not be used
+
+    @classmethod
+    def read(cls, message: Any, reject: Callable[[str], None]) -> Measurements:
+        """Measurements of a ghc_msgs/ObstacleStateArray; a bad entry is rejected alone."""
+        seen: dict[str, Measurement] = {}
+        doubtful = []
+        for entry in message.obstacles:
+            try:
+                seen[entry.id] = Measurement.read(entry)
+            except GhcError as error:
+                reject(str(error))
+                doubtful.append(entry.id)
+        return cls(tuple(seen.values()), tuple(doubtful))
+
+
+@register_generator("obstacle_motion")
+@register_generator("obstacle_bounds")
+class ObstacleBounds(Generator):
     """Virtual motion of every obstacle over a receding horizon (eq. 4.11 to 4.16).
 
     The axis along the normal is bounded: at the end of the reaction time, and ever after, the
@@ -78,6 +100,11 @@ class ObstacleBounds:
     tangents are smoothed alike, without a bound. The first jerk of a plan is applied: the next
     tick starts where the plan before says.
     """
+
+    kind = OBSTACLE_MOTION
+    settings_type = ObstacleSettings
+    input = Sensor("constraints/obstacles", "ghc_msgs/ObstacleStateArray", Measurements.read)
+    TROUBLE = ("held", "tightened", "stale")
 
     def __init__(self, settings: ObstacleSettings) -> None:
         """Make the constant matrices and compile.
@@ -92,7 +119,7 @@ class ObstacleBounds:
         self._no_limit = np.full(self.horizon.steps, np.inf)
         self._obstacles: dict[str, VirtualObstacle] = {}
         self._handed_over: dict[str, Array] = {}  # id -> state in force (3, 3)
-        self._plan: MotionPlan | None = None
+        self._plan: Preview | None = None
         self._observed_at: float | None = None
         self._stale = False
         ramp = np.linspace(1.0, 0.0, self.horizon.steps)
@@ -106,14 +133,15 @@ class ObstacleBounds:
         """How often the structured solve had to be repeated by another solver."""
         return self._qp.second.asked
 
-    def observe(
-        self, measurements: Sequence[Measurement], now: float, doubtful: Sequence[str] = ()
-    ) -> None:
+    def observe(self, given: Measurements | Sequence[Measurement], now: float) -> None:
         """Take everything that the sensor sees at `now` [s]; what it leaves out has gone.
 
-        `doubtful` names obstacles whose measurement could not be used: they stay where they were.
+        Obstacles whose measurement could not be used stay where they were.
         """
         self._observed_at, self._stale = now, False
+        if not isinstance(given, Measurements):
+            given = Measurements(tuple(given))
+        measurements, doubtful = given.seen, given.doubtful
         for measurement in measurements:
             obstacle = self._obstacles.get(measurement.id)
             if obstacle is None:
@@ -126,7 +154,12 @@ class ObstacleBounds:
         for name in self._obstacles.keys() - {m.id for m in measurements} - set(doubtful):
             self._obstacles[name].vanish(now)
 
-    def take_over(self, id: str, state: Array) -> None:  # noqa: A002 - as in the messages
+    def take_over(self, in_force: Preview) -> None:
+        """Start the obstacles that are inside from their motion in force, not from the edge."""
+        for motion in in_force.motions:
+            self.start_from(motion.id, motion.state)
+
+    def start_from(self, id: str, state: Array) -> None:  # noqa: A002 - as in the messages
         """Start an obstacle that is inside from the motion in force (3, 3), not from the edge.
 
         Has no effect on an obstacle that this generator has planned already.
@@ -149,10 +182,10 @@ class ObstacleBounds:
         self._observed_at = None
         self._stale = False
 
-    def tick(self, time: float) -> MotionPlan:
+    def tick(self, time: float) -> Preview:
         """Plan from `time` [s]."""
         self._watch_age(time)
-        before = {p.id: p for p in self._plan.obstacles} if self._plan is not None else {}
+        before = {p.id: p for p in self._plan.motions} if self._plan is not None else {}
         planned = []
         for name in sorted(self._obstacles):
             obstacle = self._obstacles[name]
@@ -164,7 +197,9 @@ class ObstacleBounds:
                 continue
             planned.append(self._plan_one(obstacle, time, old))
             self.counts[planned[-1].status.name.lower()] += 1
-        self._plan = MotionPlan(time, self.horizon.step, self.horizon.steps, tuple(planned))
+        self._plan = Preview.of_motions(
+            time, self.horizon.step, self.horizon.steps, tuple(planned)
+        )
         return self._plan
 
     def _watch_age(self, time: float) -> None:
@@ -179,20 +214,20 @@ class ObstacleBounds:
                 obstacle.observe(obstacle.measurement.closer(self.settings.stale_margin), time)
 
     def _plan_one(
-        self, obstacle: VirtualObstacle, time: float, old: PlannedObstacle | None
-    ) -> PlannedObstacle:
+        self, obstacle: VirtualObstacle, time: float, old: PlannedMotion | None
+    ) -> PlannedMotion:
         measurement = obstacle.measurement
         assert measurement is not None
         if not self.settings.smoothing:
             state, jerk = at_rest(measurement.position), _STILL
-            status = MotionStatus.RAW
+            status = PreviewStatus.RAW
         elif obstacle.outside:
-            state, jerk, status = obstacle.state, _STILL, MotionStatus.RAW
+            state, jerk, status = obstacle.state, _STILL, PreviewStatus.RAW
         else:
             state, jerk, status = self._smooth(obstacle, measurement, time, old)
-        if self._stale and status in (MotionStatus.SMOOTHED, MotionStatus.RAW):
-            status = MotionStatus.STALE
-        return PlannedObstacle(
+        if self._stale and status in (PreviewStatus.SMOOTHED, PreviewStatus.RAW):
+            status = PreviewStatus.STALE
+        return PlannedMotion(
             measurement.id,
             measurement.frame,
             measurement.safe_distance,
@@ -207,8 +242,8 @@ class ObstacleBounds:
         obstacle: VirtualObstacle,
         measurement: Measurement,
         time: float,
-        old: PlannedObstacle | None,
-    ) -> tuple[Array, Array, MotionStatus]:
+        old: PlannedMotion | None,
+    ) -> tuple[Array, Array, PreviewStatus]:
         """State (3, 3), jerks (N, 3) and how they came about."""
         axes = frame_of(measurement.normal)
         raw = axes @ obstacle.reference.preview(self.horizon.times(time)[1:]).T  # (3, N)
@@ -220,7 +255,7 @@ class ObstacleBounds:
             if answer is None:
                 return self._without_solution(obstacle.state, axes, raw, time, old)
             jerk[axis] = answer
-        return obstacle.state, np.ascontiguousarray(jerk.T @ axes), MotionStatus.SMOOTHED
+        return obstacle.state, np.ascontiguousarray(jerk.T @ axes), PreviewStatus.SMOOTHED
 
     def _weights(self, raw: Array, axis: int) -> Array:
         if not self.settings.dynamic_weighting:
@@ -229,13 +264,13 @@ class ObstacleBounds:
         return rule(raw, self.settings.power)
 
     def _without_solution(
-        self, state: Array, axes: Array, raw: Array, time: float, old: PlannedObstacle | None
-    ) -> tuple[Array, Array, MotionStatus]:
+        self, state: Array, axes: Array, raw: Array, time: float, old: PlannedMotion | None
+    ) -> tuple[Array, Array, PreviewStatus]:
         """The rest of the plan before; without one, at rest at the closest position ahead."""
         if old is not None and self._plan is not None:
             done = round((time - self._plan.start) / self._plan.step)
             if 0 <= done < len(old.jerk):
-                return state, old.jerk[done:], MotionStatus.HELD
+                return state, old.jerk[done:], PreviewStatus.HELD
         place = axes @ state[0]
         place[0] = min(place[0], raw[0].min())
-        return at_rest(place @ axes), _STILL, MotionStatus.TIGHTENED
+        return at_rest(place @ axes), _STILL, PreviewStatus.TIGHTENED

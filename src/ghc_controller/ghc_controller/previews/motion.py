@@ -1,29 +1,18 @@
-"""The whole plan of the obstacles' virtual motion of one tick, as it travels to the controller."""
+"""Virtual motion of one obstacle: a chain of integrators and the jerk of every step."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import dataclass
 
 import numba
 import numpy as np
 
+from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array
 
 
-class MotionStatus(Enum):
-    """How the plan of an obstacle came about; the value travels in messages."""
-
-    SMOOTHED = 0  # the optimum of the preview
-    RAW = 1  # as measured: smoothing off, or outside the safe distance
-    HELD = 2  # no solution: the plan before, as far as it goes
-    TIGHTENED = 3  # no solution and no plan left: at the closest position of the preview
-    STALE = 4  # no measurement for too long: taken to be closer than last seen
-
-
 @dataclass(frozen=True, slots=True)
-class PlannedObstacle:
+class PlannedMotion:
     """Virtual motion of one obstacle: a state now, and the jerk of every step."""
 
     id: str
@@ -32,12 +21,12 @@ class PlannedObstacle:
     normal: Array  # (3,) unit, from the obstacle to the protected frame, world axes
     state: Array  # (3, 3) row = position [m], velocity [m/s], acceleration [m/s^2]; world axes
     jerk: Array  # (N, 3) [m/s^3]; (0, 3) = stands still
-    status: MotionStatus
+    status: PreviewStatus
 
     @property
     def moves(self) -> bool:
         """True when its state is a virtual one, to be continued by the next plan."""
-        return len(self.jerk) > 0 or self.status is MotionStatus.TIGHTENED
+        return len(self.jerk) > 0 or self.status is PreviewStatus.TIGHTENED
 
     def trajectory(self, step: float) -> Array:
         """States (N + 1, 3, 3) at the points of the plan."""
@@ -46,26 +35,6 @@ class PlannedObstacle:
     def at(self, elapsed: float, step: float) -> Array:
         """State (3, 3) `elapsed` [s] after the start; after the plan it rests where that ends."""
         return state_at(self.state, self.jerk, step, elapsed) if len(self.jerk) else self.state
-
-
-@dataclass(frozen=True, slots=True)
-class MotionPlan:
-    """Plans of all obstacles, from `start` on, in steps of `step`."""
-
-    start: float  # [s]
-    step: float  # [s]
-    steps: int  # [-] N
-    obstacles: tuple[PlannedObstacle, ...]
-
-    @property
-    def valid_until(self) -> float:
-        """End of the plan [s]."""
-        return self.start + self.step * self.steps
-
-    def without(self, frames: Collection[str]) -> MotionPlan:
-        """The plan of the obstacles that threaten none of these frames."""
-        kept = tuple(entry for entry in self.obstacles if entry.frame not in frames)
-        return replace(self, obstacles=kept)
 
 
 @numba.njit(cache=True)

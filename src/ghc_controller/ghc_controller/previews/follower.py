@@ -1,0 +1,17 @@
+"""What follows previews: a constraint of one kind."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from ghc_controller.errors import UnknownName
+from ghc_controller.previews.preview import Preview
+
+
+class Follower(Protocol):
+    """A constraint whose bounds a generator may plan."""
+
+    kind: str  # of the previews
+
+    def follow(self, preview: Preview, now: float | None = None, /) -> tuple[UnknownName, ...]:
+        """Take a preview over; see `Controller.follow`."""

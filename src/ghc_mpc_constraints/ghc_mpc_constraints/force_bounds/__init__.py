@@ -1,1 +1,0 @@
-"""Generator of contact force bounds: schedules and smooth bounds on normal forces."""

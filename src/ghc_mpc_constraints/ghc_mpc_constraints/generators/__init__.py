@@ -1,0 +1,1 @@
+"""The constraint generators: one file each, found by their registered names."""

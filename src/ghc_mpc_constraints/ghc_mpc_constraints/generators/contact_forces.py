@@ -1,0 +1,99 @@
+"""Generator of contact force bounds: schedules in, a preview of moving bounds out, per tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ghc_controller.previews.preview import CONTACT_FORCES
+from ghc_controller.schema.declared import check, declared, inline
+from ghc_controller.schema.domains import POSITIVE
+from ghc_controller.types import Array
+from ghc_mpc_constraints.bounds_generator import BoundsGenerator
+from ghc_mpc_constraints.generator import Schedules, register_generator
+from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundQp, ForceBoundWeights
+from ghc_mpc_constraints.previews.horizon import HORIZON, SMOOTHING, STEP
+from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
+from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
+from ghc_mpc_constraints.schedules.raw_bounds import RawBounds
+
+
+@dataclass(frozen=True, slots=True)
+class ForceBoundSettings:
+    """Settings of the generator; the defaults are those of the thesis' figure 5.3.
+
+    Raises:
+        InvalidValue: a number outside its range.
+    """
+
+    step: float = STEP
+    horizon: float = HORIZON
+    weights: ForceBoundWeights = inline(ForceBoundWeights)
+    tighten_rate: float = declared(
+        "towards the tightest bound ahead, without solution and plan",
+        50.0,
+        unit="N/s",
+        domain=POSITIVE,
+    )
+    smoothing: bool = SMOOTHING
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+@register_generator("contact_forces")
+@register_generator("contact_force_bounds")
+class ContactForceBounds(BoundsGenerator):
+    """Both bounds of every contact over a receding horizon (eq. 5.6 to 5.8).
+
+    As in BoundsGenerator; and no bound of a contact that is on tightens to zero.
+    """
+
+    kind = CONTACT_FORCES
+    settings_type = ForceBoundSettings
+    input = Schedules(
+        "constraints/contact_schedule",
+        "ghc_msgs/ContactSchedule",
+        ContactSchedule.read,
+        "contacts",
+    )
+
+    def __init__(self, settings: ForceBoundSettings) -> None:
+        """Make the constant matrices and compile.
+
+        Raises:
+            InvalidValue: a horizon that is no multiple of the step.
+        """
+        super().__init__(settings)
+        self._qp = ForceBoundQp(self.horizon, settings.weights)
+        ones = np.ones(self.horizon.steps)
+        self._qp.solve((0.0, 2.0), 0.0 * ones, np.linspace(2.0, 1.0, len(ones)))
+
+    @property
+    def second_opinions(self) -> int:
+        """How often the structured solve had to be repeated by another solver."""
+        return self._qp.second.asked
+
+    def smooth(
+        self,
+        name: str,  # noqa: ARG002 - one QP for all contacts
+        time: float,  # noqa: ARG002
+        first: tuple[float, float],
+        raw: RawBounds,
+    ) -> tuple[Array, Array] | None:
+        """The optimum of eq. 5.8, lower and upper (N,) [N]."""
+        return self._qp.solve(first, raw.lower[1:], raw.upper[1:])
+
+    def is_active(self, schedule: LimitSchedule, time: float) -> bool:
+        """Whether the schedule allows a force at a time [s]."""
+        return schedule.at(time)[1] > 0.0
+
+    def floor(self, raw: RawBounds) -> tuple[float, float]:
+        """The tightest bounds ahead; a contact that is on is not taken to zero."""
+        ahead = raw.upper[raw.upper > 0.0]
+        return float(raw.lower.max()), float(ahead.min()) if len(ahead) else 0.0
+
+    def held(self, name: str, lower: float, upper: float) -> ContactSchedule:
+        """Schedule of a contact that keeps its bounds [N]."""
+        return ContactSchedule.checked(name, [0.0], [max(lower, 0.0)], [max(upper, 0.0)])

@@ -1,0 +1,1 @@
+"""What planners say ahead: bounds that hold from given times on."""
