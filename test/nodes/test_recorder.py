@@ -6,6 +6,7 @@ import resource
 import signal
 import time
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,6 @@ from mcap_ros2.decoder import DecoderFactory
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
-from rosidl_runtime_py.utilities import get_message
 
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS
 from ghc_controller.ros.time import time_from_nanoseconds
@@ -309,11 +309,12 @@ def test_what_cannot_be_used_is_one_clear_line(
 def contained(kind: str) -> set[str]:
     """Messages inside a message, `package/Name`, of all depths."""
     found: set[str] = set()
-    for text in get_message(kind).get_fields_and_field_types().values():
+    package, _, name = kind.split("/")
+    message = getattr(import_module(f"{package}.msg"), name)
+    for text in message.get_fields_and_field_types().values():
         name = text.removeprefix("sequence<").split(",")[0].rstrip(">").split("[")[0]
         if "/" in name:
-            package, message = name.split("/")
-            found |= {name} | contained(f"{package}/msg/{message}")
+            found |= {name} | contained(name.replace("/", "/msg/"))
     return found
 
 
