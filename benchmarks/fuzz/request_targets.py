@@ -32,10 +32,9 @@ from ghc_controller.ros.conversions.requests import (
     reference_from_message,
     transition_from_message,
 )
-from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
-from ghc_mpc_constraints.previews.horizon import Horizon
+from ghc_mpc_constraints import ContactSchedule as Contact
+from ghc_mpc_constraints import Horizon, Measurement
 from ghc_mpc_constraints.ros.conversions import times_of
-from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule as Contact
 from ghc_mpc_constraints.schedules.raw_bounds import preview
 
 TASKS = ("end_effector", "elbow", "posture")

@@ -24,8 +24,8 @@ from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 
 SCENE = Path(__file__).with_name("loop_scene.yaml")
 NODES: dict[str, dict[str, Any]] = {  # generator -> its parameters
-    "contact_force_bounds": {},
-    "obstacle_bounds": {"sensor_period": 0.1},
+    "contact_force_bounds": {"generator": "contact_force_bounds"},
+    "obstacle_bounds": {"generator": "obstacle_bounds", "sensor_period": 0.1},
 }
 WAIT_FOR = "[contact_forces, obstacle_motion]"
 _DEADLINE = 180.0  # [s] wall; the first start compiles the generator's kernels
