@@ -20,10 +20,10 @@ from ghc_controller.ros.conversions.states import (
     read_joint_state,
     wrench_from_bytes,
 )
-from ghc_controller.ros.synchronizer import StateGate
 from ghc_controller.ros.wire.cdr import decode_tick, encode_tick
 from ghc_controller.ros.wire.joint_state import JointStateDecoder
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.ros.wire.synchronizer import StateGate
 from ghc_controller.safety.plausibility import StatePlausibility
 from ghc_controller.safety.rate_anchor import RateAnchor
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.ros.synchronizer import StateDisposition, StateGate
+from ghc_controller.ros.wire.synchronizer import StateDisposition, StateGate
 from ghc_controller.ros.wire.timeline import CONFIRMATIONS, MOST_AHEAD_NS, SILENCE, Place, Timeline
 
 MS = 1_000_000  # [ns]

@@ -26,10 +26,10 @@ from ghc_controller.ros.conversions.states import (
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, CONTROL_SUBSCRIBER_QOS
 from ghc_controller.ros.run import tolerant
-from ghc_controller.ros.synchronizer import StateDisposition, StateGate
 from ghc_controller.ros.wire.cdr import encode_tick, read_stamp
 from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.ros.wire.joint_state import JointStateDecoder, JointStateValues
+from ghc_controller.ros.wire.synchronizer import StateDisposition, StateGate
 from ghc_controller.ros.wire.ticks import TickAnnouncer
 from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Timeline
 from ghc_controller.types import NANOSECONDS, Array
