@@ -62,6 +62,12 @@ def _parameters(**values: object) -> list[str]:
     return ["--ros-args", *(part for pair in pairs for part in pair)]
 
 
+def _run_from_start(listener: Listener) -> None:
+    """Let time run once the listener hears the controller, so that no report is missed."""
+    listener.until(lambda: bool(listener.reports), "a report of the first state")
+    listener.pause(False)
+
+
 @pytest.mark.parametrize("robot", [ROBOT, "planar_python_arm"])
 def test_controller_and_bridge_close_the_loop_with_what_it_brings(
     robot: str, plugin: Path, start_node: Callable[..., Any], listener: Listener
@@ -76,8 +82,9 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
     bridge = start_node(
         "ghc_sim_bridge",
         "sim_bridge",
-        *_parameters(scene=SCENE, torque_rate_limit=0.0),
+        *_parameters(scene=SCENE, torque_rate_limit=0.0, paused=True),
     )
+    _run_from_start(listener)
 
     def finished() -> bool:
         assert controller.exit_code is None, controller.output
@@ -109,8 +116,11 @@ def test_its_constraint_and_its_contact_hold_over_dds(
     )
     controller.wait_for_output("ready", 300.0)
     bridge = start_node(
-        "ghc_sim_bridge", "sim_bridge", *_parameters(scene=SCENE, torque_rate_limit=0.0)
+        "ghc_sim_bridge",
+        "sim_bridge",
+        *_parameters(scene=SCENE, torque_rate_limit=0.0, paused=True),
     )
+    _run_from_start(listener)
 
     def finished() -> bool:
         assert controller.exit_code is None, controller.output
