@@ -77,7 +77,11 @@ def test_an_array_each_period_with_its_state_and_again_after_a_reset(
     assert 1.0 < entry.distance < 3.0 and entry.safe_distance == 0.1
     arrays.clear()
     client.reset()
-    client.until(lambda: 0 in _stamps(arrays), "the array of the first state again")
+    client.until(lambda: client.epochs and client.epochs[-1].number == 1, "the next run")
+    start = nanoseconds_from_time(client.epochs[-1].start)
+    client.until(lambda: start in _stamps(arrays), "the array of its first state")
+    first = next(array for array in arrays if nanoseconds_from_time(array.header.stamp) == start)
+    assert len(first.obstacles) == 0, "the script of the scene begins again"
 
 
 def test_an_unknown_frame_ends_the_bridge_with_the_known_ones(
