@@ -9,6 +9,7 @@ from ghc_controller.previews.preview import JOINT_LIMITS, TORQUE_LIMITS, Preview
 from ghc_controller.previews.status import PreviewStatus
 from ghc_mpc_constraints import (
     BoundsGenerator,
+    ContactSchedule,
     JointLimits,
     JointLimitSettings,
     LimitSchedule,
@@ -146,3 +147,13 @@ def test_without_a_solution_the_preview_before_is_held_and_then_tightened(
     ).all()
     assert (np.diff(tightened.upper[0]) <= 1e-12).all()
     assert generator.counts["held"] == generator.counts["tightened"] == 1
+
+
+def test_schedules_that_say_the_same_are_equal() -> None:
+    one, same, other = (
+        ContactSchedule.checked("foot", [0.0, 1.0], [0.0, 0.0], [upper, 0.0])
+        for upper in (50.0, 50.0, 40.0)
+    )
+    assert one == same and hash(one) == hash(same)
+    assert one != other
+    assert one != LimitSchedule.checked("foot", [0.0, 1.0], [0.0, 0.0], [50.0, 0.0])

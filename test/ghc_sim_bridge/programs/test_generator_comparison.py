@@ -78,6 +78,7 @@ def report(**fields: Any) -> Any:
     empty: dict[str, Any] = {
         "contacts": [],
         "obstacles": [],
+        "bounds": [],
     }
     return SimpleNamespace(**(empty | fields))
 

@@ -33,6 +33,21 @@ class LimitSchedule:
     upper: Array  # (p,)
     known_from: float | None = None  # [s] the generator does not look at it before; None: at once
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both say the same of the same row."""
+        if not isinstance(other, LimitSchedule):
+            return NotImplemented
+        return type(other) is type(self) and self._content == other._content
+
+    def __hash__(self) -> int:
+        """Of what it says."""
+        return hash(self._content)
+
+    @property
+    def _content(self) -> tuple[object, ...]:
+        arrays = (self.times, self.lower, self.upper)
+        return (self.name, self.known_from, *(array.tobytes() for array in arrays))
+
     @classmethod
     def checked(
         cls: type[S],
