@@ -62,10 +62,12 @@ def _parameters(**values: object) -> list[str]:
     return ["--ros-args", *(part for pair in pairs for part in pair)]
 
 
-def _run_from_start(listener: Listener) -> None:
-    """Let time run once the listener hears the controller, so that no report is missed."""
-    listener.until(lambda: bool(listener.reports), "a report of the first state")
-    listener.pause(False)
+def _wait_for_controller(listener: Listener, controller: Any) -> None:
+    """Ready, and known to the listener before the bridge lets time run."""
+    controller.wait_for_output("ready", 300.0)
+    listener.until(
+        lambda: listener.node.count_publishers("ghc/controller_state") > 0, "the controller"
+    )
 
 
 @pytest.mark.parametrize("robot", [ROBOT, "planar_python_arm"])
@@ -78,13 +80,12 @@ def test_controller_and_bridge_close_the_loop_with_what_it_brings(
         "controller",
         *_parameters(robot=robot, formulation=FORMULATION, arming="automatic", last_share=0.5),
     )
-    controller.wait_for_output("ready", 300.0)
+    _wait_for_controller(listener, controller)
     bridge = start_node(
         "ghc_sim_bridge",
         "sim_bridge",
-        *_parameters(scene=SCENE, torque_rate_limit=0.0, paused=True),
+        *_parameters(scene=SCENE, torque_rate_limit=0.0),
     )
-    _run_from_start(listener)
 
     def finished() -> bool:
         assert controller.exit_code is None, controller.output
@@ -114,13 +115,12 @@ def test_its_constraint_and_its_contact_hold_over_dds(
         "controller",
         *_parameters(robot="planar_guarded_arm", arming="automatic"),
     )
-    controller.wait_for_output("ready", 300.0)
+    _wait_for_controller(listener, controller)
     bridge = start_node(
         "ghc_sim_bridge",
         "sim_bridge",
-        *_parameters(scene=SCENE, torque_rate_limit=0.0, paused=True),
+        *_parameters(scene=SCENE, torque_rate_limit=0.0),
     )
-    _run_from_start(listener)
 
     def finished() -> bool:
         assert controller.exit_code is None, controller.output
