@@ -96,6 +96,7 @@ def test_a_run_in_lockstep_is_the_same_after_a_reset(tmp_path: Path) -> None:
         )
         runs = []
         for number in range(2):
+            _pause(session, True)  # before the reset: the run would be on its way
             if number:
                 session.call("sim_bridge/reset")
                 session.until(lambda: stamps.epochs[-1].number == 1, "the second run")
@@ -113,7 +114,6 @@ def test_a_run_in_lockstep_is_the_same_after_a_reset(tmp_path: Path) -> None:
 
 def _run(session: Session, states: dict[int, list[float]], start: int) -> None:
     """From a paused start to the stop time, with a transition at 0.1 s of the run."""
-    _pause(session, True)
     session.until(lambda: start in states, "the first state")
     stamp = time_from_nanoseconds(start + NANOSECONDS // 10)
     name = f"run {start}"
