@@ -54,7 +54,9 @@ def _start(session: Session, mode: str, **bridge: Any) -> None:
     lockstep = mode == "lockstep"
     session.start("sim_bridge", mode=mode, **bridge)
     session.start("controller", lockstep=lockstep, arming="automatic", bounds_step=0.01)
-    session.until(lambda: session.report.tasks, "a report of the controller")
+    # Not its report: of a paused robot there is one alone, which may be there before its reader.
+    session.until(lambda: session.command is not None, "a command of the controller")
+    session.until(session.transitions.get_subscription_count, "a reader of transitions")
 
 
 @pytest.mark.parametrize("mode", ["lockstep", "realtime"])
