@@ -18,6 +18,9 @@ def raise_if_moved(fullname: str) -> None:
 
 
 def _reason(fullname: str) -> str:
+    inside = [old for old in MODULES if old.startswith(f"{fullname}.")]
+    if inside and fullname not in MODULES and fullname not in FOLDERS:  # a folder that has gone
+        return "; ".join(f"what {old} held is in {MODULES[old]} now" for old in inside)
     parent, _, name = fullname.rpartition(".")
     if fullname in MODULES:
         return f"no module '{fullname}': what it held is in {MODULES[fullname]} now"
