@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ghc_controller.previews.preview import CONTACT_FORCES
 from ghc_controller.schema.declared import check, declared, inline
 from ghc_controller.schema.domains import POSITIVE
-from ghc_controller.types import Array
-from ghc_mpc_constraints.bounds_generator import BoundsGenerator
 from ghc_mpc_constraints.generator import Schedules, register_generator
-from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundQp, ForceBoundWeights
+from ghc_mpc_constraints.planned_bounds import PlannedBounds
+from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundWeights
 from ghc_mpc_constraints.previews.horizon import HORIZON, SMOOTHING, STEP
 from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
@@ -44,7 +41,7 @@ class ForceBoundSettings:
 
 @register_generator("contact_forces")
 @register_generator("contact_force_bounds")
-class ContactForceBounds(BoundsGenerator):
+class ContactForceBounds(PlannedBounds):
     """Both bounds of every contact over a receding horizon (eq. 5.6 to 5.8).
 
     As in BoundsGenerator; and no bound of a contact that is on tightens to zero.
@@ -65,25 +62,7 @@ class ContactForceBounds(BoundsGenerator):
         Raises:
             InvalidValue: a horizon that is no multiple of the step.
         """
-        super().__init__(settings)
-        self._qp = ForceBoundQp(self.horizon, settings.weights)
-        ones = np.ones(self.horizon.steps)
-        self._qp.solve((0.0, 2.0), 0.0 * ones, np.linspace(2.0, 1.0, len(ones)))
-
-    @property
-    def second_opinions(self) -> int:
-        """How often the structured solve had to be repeated by another solver."""
-        return self._qp.second.asked
-
-    def smooth(
-        self,
-        name: str,  # noqa: ARG002 - one QP for all contacts
-        time: float,  # noqa: ARG002
-        first: tuple[float, float],
-        raw: RawBounds,
-    ) -> tuple[Array, Array] | None:
-        """The optimum of eq. 5.8, lower and upper (N,) [N]."""
-        return self._qp.solve(first, raw.lower[1:], raw.upper[1:])
+        super().__init__(settings, settings.weights)
 
     def is_active(self, schedule: LimitSchedule, time: float) -> bool:
         """Whether the schedule allows a force at a time [s]."""

@@ -9,18 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ghc_controller.previews.preview import TORQUE_LIMITS
 from ghc_controller.schema.declared import check, declared
 from ghc_controller.schema.domains import POSITIVE
-from ghc_controller.types import Array
-from ghc_mpc_constraints.bounds_generator import BoundsGenerator
 from ghc_mpc_constraints.generator import Schedules, register_generator
-from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundQp, ForceBoundWeights
+from ghc_mpc_constraints.planned_bounds import PlannedBounds
+from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundWeights
 from ghc_mpc_constraints.previews.horizon import HORIZON, SMOOTHING, STEP
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
-from ghc_mpc_constraints.schedules.raw_bounds import RawBounds
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +48,7 @@ class TorqueLimitSettings:
 
 
 @register_generator("torque_limits")
-class TorqueLimits(BoundsGenerator):
+class TorqueLimits(PlannedBounds):
     """Both torque limits of every scheduled joint over a receding horizon."""
 
     kind = TORQUE_LIMITS
@@ -67,23 +63,4 @@ class TorqueLimits(BoundsGenerator):
         Raises:
             InvalidValue: a horizon that is no multiple of the step.
         """
-        super().__init__(settings)
-        weights = ForceBoundWeights(settings.rate_weight, settings.rate_weight)
-        self._qp = ForceBoundQp(self.horizon, weights)
-        ones = np.ones(self.horizon.steps)
-        self._qp.solve((0.0, 2.0), 0.0 * ones, np.linspace(2.0, 1.0, len(ones)))
-
-    @property
-    def second_opinions(self) -> int:
-        """How often the structured solve had to be repeated by another solver."""
-        return self._qp.second.asked
-
-    def smooth(
-        self,
-        name: str,  # noqa: ARG002 - one QP for all joints
-        time: float,  # noqa: ARG002
-        first: tuple[float, float],
-        raw: RawBounds,
-    ) -> tuple[Array, Array] | None:
-        """The optimum, lower and upper (N,) [Nm]."""
-        return self._qp.solve(first, raw.lower[1:], raw.upper[1:])
+        super().__init__(settings, ForceBoundWeights(settings.rate_weight, settings.rate_weight))
