@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help setup demo run test bench study compare kinematics faults fuzz soak paper campaign docs test-long lint format lock clean distclean
+.PHONY: help setup demo run test bench study compare kinematics faults hosts fuzz sanitize soak paper campaign docs test-long lint format lock clean distclean
 MAKEFLAGS += --no-print-directory
 
 # The set-up starts with any Python from 3.8 on, and then chooses the one for .venv by itself.
@@ -11,6 +11,9 @@ STARTER := $(firstword $(foreach python,python3 python3.12 python3.11,\
     $(shell $(python) -c 'import sys; sys.version_info >= (3, 8) and print("$(python)")' 2>/dev/null)))
 WORKSPACE = . .venv/bin/activate && . install/setup.bash
 RUN = $(WORKSPACE) && exec .venv/bin/python tools/ros2_run.py
+
+# Test files that run at the same time.
+JOBS ?= 2
 
 # Options of `make run` and `make demo`; ARGS goes through as it is.
 OPTIONS = $(if $(FORMULATION),--formulation $(FORMULATION)) \
@@ -64,8 +67,14 @@ kinematics: setup ## T1 to T20 of gn_qn_2018, docs/gn_qn.md: ARGS="4 5 20 --vari
 faults: setup ## faults injected over DDS, docs/reliability.md: ARGS="--quick --only words --runs 3"
 	@$(WORKSPACE) && exec .venv/bin/python -m benchmarks.faults.campaign $(ARGS)
 
+hosts: setup ## robot, controller and operator on three hosts over a bad network, docs/reliability.md
+	@$(WORKSPACE) && exec .venv/bin/python -m benchmarks.hosts.run $(ARGS)
+
 fuzz: setup ## a million random cases into every parser, codec, loader and transitions (about an hour)
 	@$(WORKSPACE) && exec .venv/bin/python -m benchmarks.fuzz.run $(ARGS)
+
+sanitize: setup ## the core's tests and random calls under address and undefined-behavior sanitizers
+	@$(WORKSPACE) && exec .venv/bin/python -m tools.sanitize $(ARGS)
 
 soak: setup ## memory of the generator nodes over ten simulated minutes
 	@$(WORKSPACE) && exec .venv/bin/python benchmarks/soak/run.py $(ARGS)
@@ -73,9 +82,9 @@ soak: setup ## memory of the generator nodes over ten simulated minutes
 docs: setup ## the documents as a static site in build/site, its notebooks executed
 	@$(WORKSPACE) && exec .venv/bin/python -m tools.docs
 
-test: setup ## all tests; ARGS goes to pytest
+test: setup ## all tests, JOBS=1 for one after the other; ARGS goes to pytest
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all
-	@$(WORKSPACE) && exec .venv/bin/python -m pytest $(ARGS)
+	@$(WORKSPACE) && exec .venv/bin/python -m pytest -n $(JOBS) --dist loadfile $(ARGS)
 
 test-long: setup ## what takes too long for every change: whole studies against what is asked
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all

@@ -1,4 +1,4 @@
-"""Operations of one control step of the laws that Jeong and Chang (2009) compare, counted.
+"""Operation counts of one control step of the laws compared by Jeong and Chang (2009).
 
 A multiplication with its addition is one operation. Shapes: n joints, m_i rows of level i. Counted
 are dense products; what every law needs alike (Jacobians, targets, bias) is left out. A

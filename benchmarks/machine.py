@@ -1,4 +1,4 @@
-"""What was measured on, without the names of machines, people or folders."""
+"""Description of the machine, without names of hosts, people or folders."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks.code_version import commit
 
-_PACKAGES = ("numpy", "numba", "pin", "daqp", "proxsuite", "mujoco-core", "icub-models")
+_PACKAGES = ("numpy", "pin", "daqp", "proxsuite", "mujoco-core", "icub-models")
 
 
 def machine_facts() -> dict[str, Any]:
@@ -26,7 +26,7 @@ def machine_facts() -> dict[str, Any]:
 
 
 def load_average() -> float:
-    """Processes that were running or waiting over the last minute, this one among them."""
+    """Average number of running or waiting processes in the last minute, including this one."""
     return round(os.getloadavg()[0], 2)
 
 

@@ -1,4 +1,4 @@
-"""The page docs/rhp_hqp.md: tables of the RHP-HQP paper beside those of the study."""
+"""Writes docs/rhp_hqp.md: tables of the RHP-HQP paper next to those of the study."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from benchmarks.ramps.rhp_asked import asked_table
 from benchmarks.upper_body_cases import CASES
 from ghc_sim_bridge.programs.markdown import number
 from ghc_sim_bridge.programs.markdown import table as markdown_table
@@ -177,6 +178,7 @@ def _weights(result: Result) -> list[str]:
 
 
 _TABLES = {
+    "asked": asked_table,
     "case_1": _case_1,
     "case_2": _case_2,
     "times": _times,

@@ -17,7 +17,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0 = measured all that was asked for, 1 = something is missing (said in one line)."""
+    """Exit code: 0 = everything measured, 1 = something is missing, reported in one line."""
     options = _parser().parse_args(arguments)
     for name in _THREADS:  # before NumPy is imported
         os.environ.setdefault(name, "1")

@@ -1,4 +1,4 @@
-"""`make study`: problem sets that test what the formulations claim, with committed small results.
+"""`make study`: problem sets that test properties of the formulations; results are committed.
 
 One module of benchmarks/studies per study. Results go to docs/study/<name>.json, and docs/study.md
 is written from all results that are present. A quick run goes to results/study instead.
@@ -18,7 +18,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0 = every study was run, 1 = something is missing (said in one line)."""
+    """Exit code: 0 = all studies run, 1 = something is missing, reported in one line."""
     for name in _THREADS:  # before NumPy is imported
         os.environ.setdefault(name, "1")
     import ghc_controller as ghc

@@ -28,7 +28,7 @@ are those of one thread on a shared machine: orders of magnitude, no benchmark.
 
 
 def store(folder: Path, name: str, result: Mapping[str, Any]) -> dict[str, Any]:
-    """Write a result to <folder>/<name>.json and return what stands there now.
+    """Write a result to <folder>/<name>.json and return the merged content.
 
     Formulations that were not run are kept from the file, provided that its facts (sizes, seeds)
     and the sources of the controller are the same; otherwise the file is replaced.
@@ -46,7 +46,7 @@ def store(folder: Path, name: str, result: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def rounded(value: Any) -> Any:
-    """JSON values with floats of four significant digits; None for what is no finite number."""
+    """JSON values with floats of four significant digits; None for values that are not finite."""
     if isinstance(value, Mapping):
         return {str(key): rounded(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):

@@ -13,7 +13,7 @@ import numpy as np
 
 import ghc_controller as ghc
 from ghc_controller.hierarchy import Candidate, Priorities
-from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
+from ghc_controller.tasks.python.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.types import Array
 
 ROBOT = SCENE = "icub_upper_body"
@@ -84,7 +84,7 @@ def _by_distance() -> Act:
     """Case 2: the share of the order without the hand follows the gap of the elbow (eq. 11)."""
     alphas: list[Array] = []
 
-    def act(controller: ghc.Controller, time: float, gap: float) -> None:  # noqa: ARG001
+    def act(controller: ghc.Controller, time: float, gap: float) -> None:
         if not alphas:
             names = controller.robot.task_names
             alphas.extend(
@@ -92,9 +92,10 @@ def _by_distance() -> Act:
             )
         s = ghc.Profile.MINIMUM_JERK.progress((_NEAR - gap) / (_NEAR - _NEAREST))
         shares = zip(alphas, (1.0 - s, s), strict=True)
-        controller.priorities.in_force = Priorities.mixed(
+        mixture = Priorities.mixed(
             Candidate(alpha, share) for alpha, share in shares if share > 0.0
         )
+        controller.priorities.hold(mixture, time)
 
     return act
 

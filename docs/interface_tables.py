@@ -12,6 +12,8 @@ from pathlib import Path
 
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
+from ghc_controller.ros.shares.parameters import PriorityShareParameters
+from ghc_controller.ros.steering.parameters import SteeringParameters
 from ghc_controller.schema.declared import Entry, flat
 from ghc_controller.schema.domains import OneOf
 from ghc_mpc_constraints.ros.parameters import generator_parameters
@@ -29,6 +31,8 @@ MESSAGES = ROOT / "src" / "ghc_msgs" / "msg"
 NODES: dict[str, type] = {
     "controller": ControllerParameters,
     "reachable_targets": ReachableTargetsParameters,
+    "priority_share": PriorityShareParameters,
+    "steering_page": SteeringParameters,
     "sim_bridge": BridgeParameters,
     "recorder": RecorderParameters,
     "replay": ReplayParameters,
@@ -36,7 +40,13 @@ NODES: dict[str, type] = {
     "display_publisher": DisplayParameters,
     **{
         name: generator_parameters(name)
-        for name in ("contact_forces", "obstacle_motion", "joint_limits", "torque_limits")
+        for name in (
+            "contact_forces",
+            "obstacle_motion",
+            "joint_limits",
+            "torque_limits",
+            "body_margins",
+        )
     },
 }
 _TABLE = re.compile(r"(<!-- table: (\w+) (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)

@@ -11,7 +11,7 @@ STEP = 0.01  # [s] between two ticks
 
 
 def main() -> None:
-    """Print the raw bound, the one in force and what is planned half a second ahead."""
+    """Print the raw bound, the current one and what is planned half a second ahead."""
     generator = ContactForceBounds(ForceBoundSettings(step=STEP, horizon=1.5))
     # The foot may carry 60 N, from 1 s on 20 N, and from 2 s on 60 N again.
     schedule = ContactSchedule.checked(
@@ -28,9 +28,7 @@ def main() -> None:
         assert upper <= raw + 1e-9
         steepest, before = max(steepest, abs(upper - before) / STEP), upper
         if tick % 50 == 0:
-            print(
-                f"t = {now:.1f} s: raw {raw:2.0f} N, in force {upper:4.1f} N, then {ahead:4.1f} N"
-            )
+            print(f"t = {now:.1f} s: raw {raw:2.0f} N, active {upper:4.1f} N, then {ahead:4.1f} N")
     print(f"never looser than raw; at most {steepest:.0f} N/s")
 
 

@@ -27,7 +27,7 @@ class RampedJointLimits(BoundsGenerator):
     kind, settings_type, input = JointLimits.kind, JointLimitSettings, JointLimits.input
 
     def smooth(self, name: str, time: float, first: Any, raw: Any) -> Any:  # noqa: ARG002
-        """Backwards from each raw limit at RATE, forwards from the one in force."""
+        """Backwards from each raw limit at RATE, forwards from the current one."""
         lower, upper = raw.lower.copy(), raw.upper.copy()
         for j in range(len(upper) - 2, -1, -1):
             upper[j] = min(upper[j], upper[j + 1] + RATE * self.horizon.step)
@@ -40,7 +40,7 @@ class RampedJointLimits(BoundsGenerator):
 
 
 def main() -> None:
-    """Print the limit in force and the joint, which has to make room: 0.8 rad from 2 s on."""
+    """Print the current limit and the joint, which has to make room: 0.8 rad from 2 s on."""
     simulator = Simulator("kuka_lwr", control_dt=1e-3)
     controller = ghc.Controller(ghc.load_robot("kuka_lwr"), ghc.Settings.of(hierarchy="posture"))
     controller.start(simulator.state())

@@ -1,4 +1,4 @@
-"""A case: what every method is run on, and which figure of its errors counts."""
+"""A case of the comparison, run by every method, and its error measure."""
 
 from __future__ import annotations
 

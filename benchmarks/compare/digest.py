@@ -1,7 +1,8 @@
-"""Digest of the sources that a result depends on: by the imports of its formulation and its case.
+"""Digest of the sources of a result, found by the imports of its formulation and case.
 
 A change within one formulation leaves the results of the others valid: the formulations that a
-method does not import are left out. Files of robots, scenes and scenarios count in all.
+method does not import are left out. Of Python and C++ the code counts, without docstrings and
+comments; the compiled core and the files of robots, scenes and scenarios count in all cases.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import ghc_controller
 import ghc_sim_bridge
+from benchmarks.compare.source_text import CORE_SUFFIXES, counted
 
 ROOT = Path(__file__).resolve().parents[2]
 _ROOTS = {
@@ -23,20 +25,22 @@ _ROOTS = {
 }
 _CHOICE = "ghc_controller.formulations"  # it imports all formulations
 _FACES = ("ghc_controller", "ghc_sim_bridge")  # lazy names: what is used is imported below
+_ONE_CALL = "ghc_controller.control.compiled_step"  # of `cascade`: other methods do without it
 _ALWAYS = ("ghc_controller.controller", "ghc_sim_bridge.simulation.simulator")
-_DATA = (".yaml", ".urdf", ".xml")
+_EVERYWHERE = (".yaml", ".urdf", ".xml", *CORE_SUFFIXES)
 
 
 def digest(modules: Iterable[str], numbers: str = "") -> str:
-    """Sixteen hexadecimal digits over these modules, all that they import, and the data files.
+    """Sixteen hexadecimal digits over these modules, all they import, the core and data files.
 
     Args:
         numbers: what else a result depends on, as text.
     """
     content = hashlib.sha256(numbers.encode())
-    for path in sorted({*sources_of(modules), *_data_files()}, key=lambda path: path.as_posix()):
+    files = {*sources_of(modules), *_common_files()}
+    for path in sorted(files, key=lambda path: path.as_posix()):
         content.update(path.name.encode())
-        content.update(path.read_bytes())
+        content.update(counted(path))
     return content.hexdigest()[:16]
 
 
@@ -52,9 +56,14 @@ def sources_of(modules: Iterable[str]) -> set[Path]:
         if path is None or name == _CHOICE or name in _FACES:
             continue
         found.add(path)
-        waiting += _imports(path)
+        waiting += [each for each in _imports(path) if not _leaves_out(name, each)]
         waiting += [name.rpartition(".")[0]] if "." in name else []
     return found
+
+
+def _leaves_out(name: str, imported: str) -> bool:
+    """Whether an import counts only for methods that have it by their formulation."""
+    return name == _ONE_CALL and imported.startswith(f"{_CHOICE}.")
 
 
 @cache
@@ -86,8 +95,8 @@ def _file_of(module: str) -> Path | None:
 
 
 @cache
-def _data_files() -> tuple[Path, ...]:
+def _common_files() -> tuple[Path, ...]:
     packages = [_ROOTS[name] for name in _FACES]
     return tuple(
-        path for root in packages for path in sorted(root.rglob("*")) if path.suffix in _DATA
+        path for root in packages for path in sorted(root.rglob("*")) if path.suffix in _EVERYWHERE
     )

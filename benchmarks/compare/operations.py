@@ -1,4 +1,4 @@
-"""Operations of one control step of every formulation beside its QPs, counted.
+"""Operation counts of one control step of every formulation, without its QPs.
 
 As in law_operations: a product with its sum is one operation, products are dense, Jacobians,
 targets and contacts are left out. d accelerations that the contacts leave, m_l rows of level l.
@@ -14,10 +14,9 @@ from functools import lru_cache
 import numpy as np
 
 from benchmarks.law_operations import COUNTS, mass_matrix
-from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.hierarchy.priorities import Candidate, sum_of
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Starts
 
 
 def gram_schmidt(d: int, count: int, before: int = 0) -> float:

@@ -17,7 +17,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0 = all results are there, 1 = something is missing (one line says what), 130 = Ctrl-C."""
+    """Exit code: 0 = all results complete, 1 = something is missing (one line), 130 = Ctrl-C."""
     for name in _THREADS:  # before NumPy is imported, also by the workers
         os.environ.setdefault(name, "1")
     import ghc_controller as ghc

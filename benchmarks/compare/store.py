@@ -18,7 +18,7 @@ def path_of(folder: Path, job: Job) -> Path:
 
 
 def write(folder: Path, job: Job, result: Mapping[str, Any]) -> None:
-    """Write the result of a job in one piece."""
+    """Write the result of a job atomically."""
     path = path_of(folder, job)
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(result, indent=1, sort_keys=True, allow_nan=False)
@@ -28,7 +28,7 @@ def write(folder: Path, job: Job, result: Mapping[str, Any]) -> None:
 
 
 def is_done(folder: Path, job: Job) -> bool:
-    """Whether the result of a job stands there, of the sources as they are now."""
+    """Whether the result of a job exists for the current sources."""
     path = path_of(folder, job)
     if not path.is_file():
         return False

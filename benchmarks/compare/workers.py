@@ -40,7 +40,7 @@ def workers(cluster: str = "", count: int = 0) -> Iterator[Executor]:
 
 
 def run_jobs(executor: Executor, jobs: Sequence[Job]) -> Iterator[tuple[Job, dict[str, Any]]]:
-    """Results as they come; raises what a job raised."""
+    """Yields results as they are completed; re-raises errors of jobs."""
     futures = {executor.submit(run_job, job): job for job in jobs}
     for future in as_completed(futures):
         yield futures[future], future.result()

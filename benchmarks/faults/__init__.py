@@ -1,1 +1,1 @@
-"""Faults injected into running nodes over DDS, judged by a process that only listens."""
+"""Faults injected into running nodes over DDS, evaluated by a passive monitor."""

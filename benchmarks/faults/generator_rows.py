@@ -1,4 +1,4 @@
-"""Faults of the constraint generators and of what they hear and say."""
+"""Faults of the constraint generators, their inputs and their outputs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ NEAR = Limits(speed=4.0, recovery=4.0)  # a forged obstacle pushes the arm
 
 
 def measured(session: Session, count: int, **fields: Any) -> ObstacleStateArray:
-    """What an obstacle sensor would say."""
+    """Message of an obstacle sensor."""
     message = ObstacleStateArray(header=Header(stamp=time_from_seconds(now_of(session))))
     for k in range(count):
         entry = ObstacleState(
@@ -52,7 +52,7 @@ def measured(session: Session, count: int, **fields: Any) -> ObstacleStateArray:
 
 
 def planned(session: Session, **fields: Any) -> ConstraintPreviews:
-    """What a second generator of obstacle motion would say."""
+    """Message of a second generator of obstacle motion."""
     entry = PlannedMotion(
         id="ball_0",
         protected_frame="tool",
@@ -66,8 +66,20 @@ def planned(session: Session, **fields: Any) -> ConstraintPreviews:
     return _previews(session, ConstraintPreview(kind="obstacle_motion", motions=[entry]))
 
 
+def two_walls(session: Session) -> ConstraintPreviews:
+    """Two obstacles that face each other, with the tool between them."""
+    message = planned(session)
+    (preview,) = message.previews
+    for sign in (-1.0, 1.0):
+        wall = planned(session, id=f"wall_{sign:+g}", position=[0.45, 0.15 * sign, 0.6])
+        wall.previews[0].motions[0].normal[:] = [0.0, -sign, 0.0]
+        preview.motions.append(wall.previews[0].motions[0])
+    del preview.motions[0]
+    return message
+
+
 def bounds(session: Session, lower: float, upper: float, on: bool) -> ConstraintPreviews:
-    """What a second generator of force bounds would say of the tool."""
+    """Message of a second generator of force bounds, for the tool."""
     message = ConstraintPreview(kind="contact_forces", interpolate=True, rows=["tool"])
     message.lower, message.upper = [lower] * 151, [upper] * 151
     message.active, message.conflict, message.status = [on], [False], [1]
@@ -75,7 +87,7 @@ def bounds(session: Session, lower: float, upper: float, on: bool) -> Constraint
 
 
 def _previews(session: Session, preview: ConstraintPreview) -> ConstraintPreviews:
-    """A message of a generator that claims the name of the one that runs."""
+    """A message of a generator with the name of the running one."""
     names = {"contact_forces": "contact_force_bounds", "obstacle_motion": "obstacle_bounds"}
     preview.name, preview.step, preview.points = names[preview.kind], 0.01, 151
     message = ConstraintPreviews(previews=[preview])
@@ -95,7 +107,7 @@ def sensor(make: Callable[[Session], ObstacleStateArray], count: int = COUNT) ->
 
 
 def plans(make: Callable[[Session], Any]) -> Any:
-    """Publish as a second generator does."""
+    """Publish as a second generator."""
 
     def inject(session: Session, _: np.random.Generator) -> None:
         publisher = session.node.create_publisher(
@@ -161,10 +173,14 @@ _ROWS: dict[str, Any] = {
     "malformed schedules": partial(schedules, partial(_schedule, lower=[_NAN])),
     "second force generator: lower 1e6 N": plans(lambda s: bounds(s, 1e6, 2e6, True)),
     "second force generator: lower > upper": plans(lambda s: bounds(s, 50.0, 10.0, False)),
+    "second force generator: contact off and on": plans(
+        lambda s: bounds(s, 0.0, 100.0, int(10.0 * now_of(s)) % 2 == 0)
+    ),
     "second motion generator: v 1e300": plans(lambda s: planned(s, velocity=[1e300] * 3)),
     "second motion generator: obstacle in the arm": plans(
         lambda s: planned(s, position=[0.4, 0.0, 0.5])
     ),
+    "second motion generator: two walls, both sides": plans(two_walls),
 }
 
 ROWS = tuple(

@@ -54,10 +54,15 @@ def shifted(session: Session, rng: np.random.Generator) -> None:
 def commands(
     make: Callable[[Session, int], JointState], session: Session, _: np.random.Generator
 ) -> None:
-    """Forged commands, as fresh as can be."""
+    """Forged commands with the newest stamp."""
     for k in range(COUNT):
         session.commands_out.publish(make(session, k))
         session.spin(PAUSE)
+
+
+def one_command(session: Session, _: np.random.Generator, **changes: Any) -> None:
+    """A single forged command."""
+    session.commands_out.publish(_command(session, 0, **changes))
 
 
 def _command(session: Session, k: int, **changes: Any) -> JointState:
@@ -88,7 +93,7 @@ def bytes_on(topic: str, data: Callable[[Session], bytes]) -> Inject:
 
 
 def _big_endian(session: Session) -> bytes:
-    """A sound state that another machine could have sent, repeated; only its header differs."""
+    """A valid state in another machine's encoding, repeated; only its header differs."""
     data = bytearray(serialize_message(session.state))
     data[1] = 0
     return bytes(data)
@@ -104,9 +109,15 @@ _STATES: dict[str, dict[str, Any]] = {
     "effort NaN": {"effort": NAN},
     "effort 1e300": {"effort": 1e300},
     "effort -1e4": {"effort": -1e4},
+    "effort empty (sound)": {"effort": []},
     "sizes wrong": {"name": list(JOINTS[:HALF])},
+    "all arrays empty": {"name": [], "position": [], "velocity": [], "effort": []},
     "unknown names only": {"name": [f"unknown_{k}" for k in range(len(JOINTS))]},
     "duplicated names": {"name": ["joint_1"] * len(JOINTS)},
+    "8 names, joint_1 twice": {
+        "name": [*JOINTS, "joint_1"],
+        **{field: [0.3] * 8 for field in ("position", "velocity", "effort")},
+    },
     "stale -0.5 s": {"ahead": -0.5},
     "repeated": {"ahead": 0.0},
     "reordered": {"ahead": -0.01},
@@ -180,6 +191,11 @@ ROWS = (
             quick=name in _QUICK,
         )
         for name, changes in _COMMANDS.items()
+    ),
+    Row(
+        "ONE joint_commands stamp 2^31-1 s",
+        partial(one_command, stamp=Time(sec=FOREVER)),
+        "joint_commands",
     ),
     Row(
         "raw bytes on joint_states",

@@ -1,4 +1,4 @@
-"""Independent monitor: a process that records joint states and commands as they are on the wire.
+"""Independent monitor: a process that records serialized joint states and commands.
 
 It shares nothing with the nodes under test: it listens, and writes one .npz when it is stopped.
 `python -m benchmarks.faults.monitor FILE` in the ROS domain of the run.

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import resource
+import shutil
 import signal
 import time
 from functools import partial
+from pathlib import Path
 
 import numpy as np
+from mcap.records import Channel, Message
 
 from benchmarks.faults.row import Bench, Limits, Row, nothing
 from benchmarks.faults.session import Session
+from ghc_sim_bridge.recorder.bag_reading import intact_records, read_messages
 
-RESTART = 30.0  # [s] wall; a controller compiles before it listens
+RESTART = 30.0  # [s] wall
 KILLED = Limits(hold=0.020, recovery=RESTART)
+STATES = "/joint_states"
 STOPS = (0.005, 0.05, 0.5, 5.0)  # [s]
 
 
@@ -29,6 +35,37 @@ def freeze(name: str, seconds: float, session: Session, _: np.random.Generator) 
     session.processes[name].send(signal.SIGSTOP)
     session.spin(seconds)
     session.processes[name].send(signal.SIGCONT)
+
+
+def _recorded(bag: Path) -> bool:
+    """Whether joint states are on the disk already."""
+    records = [record for file in bag.glob("*.mcap") for record in intact_records(file)]
+    channels = {one.id for one in records if isinstance(one, Channel) and one.topic == STATES}
+    return any(isinstance(one, Message) and one.channel_id in channels for one in records)
+
+
+def full_disk(session: Session, _: np.random.Generator) -> None:
+    """A recorder whose file may not grow any more: what it has by then has to be readable."""
+    bag = session.folder / f"bag_{time.monotonic_ns()}"
+    process = session.start("recorder", output=bag, record_mode="full")
+    end = time.monotonic() + RESTART
+    while not _recorded(bag):
+        if time.monotonic() > end:
+            raise AssertionError(f"no message was recorded within {RESTART:g} s")
+        session.swing(0.5)
+    (file,) = bag.glob("*.mcap")
+    most = file.stat().st_size + 20_000
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (most, most))
+    end = time.monotonic() + RESTART
+    while "recording ends here" not in session.output("recorder"):
+        if time.monotonic() > end:
+            raise AssertionError("the recorder does not tell that the disk is full")
+        session.swing(0.5)
+    session.stop("recorder")
+    kept = sum(1 for _ in read_messages(bag, "sensor_msgs/msg/JointState"))
+    shutil.rmtree(bag)
+    if not kept:
+        raise AssertionError("nothing can be read of what was recorded before")
 
 
 def second_controller(session: Session, _: np.random.Generator) -> None:
@@ -81,6 +118,7 @@ ROWS = (
         for name in ("controller", "sim_bridge")
         for seconds in STOPS
     ),
+    Row("recorder: disk full", full_disk, "process", quick=True),
     Row("two controllers, other hierarchy", second_controller, "process"),
     Row("two bridges, one controller", second_bridge, "process", quick=True),
 )

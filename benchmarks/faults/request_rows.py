@@ -75,7 +75,7 @@ def publish_once(message: Any) -> Inject:
 
 
 def scheduled(kind: str, session: Session, rng: np.random.Generator) -> None:
-    """3000 requests for one instant, or one after the other."""
+    """3000 requests for one instant, or in sequence."""
     start = now_of(session) + 0.5
     for k in range(3000):
         if kind == "transitions":
@@ -139,7 +139,7 @@ def _many_points(count: int) -> TaskReference:
 
 
 def many_points(count: int, session: Session, rng: np.random.Generator) -> None:
-    """A reference of so many points; made here, since it is large."""
+    """A reference with many points, created here because of its size."""
     publish_once(_many_points(count))(session, rng)
 
 

@@ -1,4 +1,4 @@
-"""What the monitor recorded, and the figures by which a fault is judged."""
+"""The monitor's recording, and the measures by which a fault is evaluated."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ import numpy as np
 from ghc_controller.types import NANOSECONDS, Array
 
 SILENCE = 0.1  # [s] without a command, after which the robot has to be held
-AT_COMMAND = 1e-9  # [Nm] from the last command: it is what is applied
+AT_COMMAND = 1e-9  # [Nm] from a command: it is what is applied
+RECENT = 10  # [-] commands that may still be on their way
+RAMPED = 0.999  # [-] of the largest change in a period: the rate limit is at work
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class Wire:
         )
 
     def not_finite(self) -> int:
-        """Numbers of states and commands that are not finite."""
+        """Count of numbers in states and commands that are not finite."""
         return sum(
             int((~np.isfinite(values)).sum())
             for values in (self.velocity, self.effort, self.command_effort)
@@ -64,23 +66,30 @@ class Wire:
         """Longest time [s] of the robot's clock between two commands."""
         return float(np.diff(self.command_stamp).max(initial=0.0))
 
-    def hold_after(self) -> float:
+    def hold_after(self, ramp: float) -> float:
         """From the last command before the longest silence to the first state under a hold [s].
 
-        The last command stays in force for a while, ramped where the rate limit asks for it: a
-        hold begins when the torque is neither there nor on the way to it. 0 without a silence,
-        inf where there was no hold until the next command.
+        The last command stays active for a while, ramped where the rate limit asks for it, and
+        those before it may still be on their way: a hold begins when the torque moves away from
+        the last one, or is that of no command of the last moments and no part of a ramp. 0
+        without a silence, inf where there was no hold until the next command.
+
+        Args:
+            ramp: [Nm] change in a period of a torque that the rate limit holds back.
         """
         if self.longest_silence() < SILENCE:
             return 0.0
         last = int(np.argmax(np.diff(self.command_stamp)))
         begin, end = self.command_stamp[last : last + 2]
+        recent = self.command_effort[max(last - RECENT, 0) : last + 1]
         before = np.inf
         for k in np.flatnonzero((self.stamp > begin) & (self.stamp < end)):
-            away = float(np.abs(self.effort[k] - self.command_effort[last]).max())
-            if away > AT_COMMAND and away >= before:
+            away = np.abs(self.effort[k] - recent).max(axis=1)
+            ramped = k == 0 or np.abs(self.effort[k] - self.effort[k - 1]).max() > RAMPED * ramp
+            other = away.min() > AT_COMMAND and not ramped
+            if away[-1] > AT_COMMAND and (away[-1] >= before or other):
                 return float(self.stamp[k] - begin)
-            before = away
+            before = float(away[-1])
         return float("inf")
 
     def largest_rate(self, control_dt: float) -> float:
@@ -91,7 +100,7 @@ class Wire:
         return _largest_rate(self.stamp, self.effort, control_dt)
 
     def largest_command_rate(self, control_dt: float) -> float:
-        """The same of what was commanded, over states that were answered one after the other."""
+        """The same for commands, over consecutively answered states."""
         return _largest_rate(self.command_stamp, self.command_effort, control_dt)
 
     def largest_share(self, limit: Array, of: str = "effort") -> float:

@@ -1,1 +1,1 @@
-"""Anything into every parser, codec, loader, into the logic of transitions, and into nodes."""
+"""Random input for every parser, codec and loader, the logic of transitions, and nodes."""

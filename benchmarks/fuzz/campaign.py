@@ -1,4 +1,4 @@
-"""Runs targets for a number of cases, and says what came of it."""
+"""Runs targets for a number of cases, and reports the results."""
 
 from __future__ import annotations
 
@@ -6,14 +6,19 @@ import math
 import resource
 import time
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
+from random import Random
 from typing import Any
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
 
 from benchmarks.fuzz.target import Target
 
-BATCH = 2000  # [-] cases of one run of hypothesis, which remembers all cases of a run
+EDITS = 24  # [-] cases made of each one that hypothesis draws
+CHAIN = 3  # [-] edits one after the other, before it starts from what was drawn again
+BATCH = 2000  # [-] draws of one run of hypothesis, which remembers all of a run
 REPEATS = 5  # [-] of a slow case: the fastest one counts, the others met other programs
 MEMORY_GOAL = 64.0  # [MB] of growth of a target after its first batch
 _KB = 1024.0 / 1e6  # [MB]
@@ -21,7 +26,7 @@ _KB = 1024.0 / 1e6  # [MB]
 
 @dataclass(slots=True)
 class Outcome:
-    """What a target did."""
+    """Result of a target."""
 
     target: Target
     cases: int = 0
@@ -40,10 +45,10 @@ class Outcome:
 
 
 def run_target(target: Target, cases: int, first_seed: int = 0) -> Outcome:
-    """Fuzz one target; stops at a batch that fails."""
+    """Fuzz one target with at least so many cases; stops at a batch that fails."""
     outcome = Outcome(target)
 
-    def one(case: Any) -> None:
+    def judge(case: Any) -> None:
         outcome.cases += 1
         taken, accepted = _time(target, case)
         if taken > target.budget:
@@ -52,9 +57,21 @@ def run_target(target: Target, cases: int, first_seed: int = 0) -> Outcome:
         if taken > outcome.slowest:
             outcome.slowest, outcome.slowest_case = taken, repr(case)[:400]
 
+    def one(drawn: Any, number: int) -> None:
+        random, case = Random(number), deepcopy(drawn)
+        try:
+            judge(case)
+            for k in range(EDITS):
+                case = target.edit(case if k % CHAIN else deepcopy(drawn), random)
+                judge(case)
+        except Exception as error:
+            error.add_note(f"case {repr(case)[:800]}")
+            raise
+
     begun = math.nan
-    for batch in range(math.ceil(cases / BATCH)):
-        count = min(BATCH, cases - batch * BATCH)
+    draws = math.ceil(cases / (EDITS + 1))
+    for batch in range(math.ceil(draws / BATCH)):
+        count = min(BATCH, draws - batch * BATCH)
         fuzz = seed(first_seed + batch)(
             settings(
                 max_examples=count,
@@ -62,7 +79,7 @@ def run_target(target: Target, cases: int, first_seed: int = 0) -> Outcome:
                 deadline=None,
                 phases=(Phase.generate, Phase.shrink),
                 suppress_health_check=list(HealthCheck),
-            )(given(target.cases)(one))
+            )(given(target.cases, st.integers(0, 2**32))(one))
         )
         try:
             fuzz()
@@ -91,7 +108,7 @@ def _resident() -> float:
 
 
 def table(outcomes: Sequence[Outcome]) -> str:
-    """One line a target."""
+    """One line per target."""
     lines = [
         f"{'target':20} {'cases':>8} {'accepted':>8} {'slowest [ms]':>12} {'growth [MB]':>11}"
     ]

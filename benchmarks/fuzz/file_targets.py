@@ -1,4 +1,4 @@
-"""Files that others wrote: robot, scene and scenario, URDF, cut recordings."""
+"""External files: robot, scene and scenario, URDF, truncated recordings."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Whole nodes over DDS: mutated bytes on every topic that they read, in waves.
 
 After each wave every node has to run and the robot to be driven; at the end each node may have
-grown by no more than MEMORY_GOAL since the first wave.
+grown by no more than MEMORY_GOAL since the first wave, recorder and viewer have to end in order,
+and the recording has to open.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from ghc_msgs.msg import (
     ConstraintPreview,
     ConstraintPreviews,
     ContactSchedule,
+    ControllerState,
     Epoch,
     ObstacleState,
     ObstacleStateArray,
@@ -23,19 +25,30 @@ from ghc_msgs.msg import (
     PriorityTransition,
     TaskReference,
     TaskReferencePoint,
+    TaskState,
     Tick,
 )
 from rclpy.serialization import serialize_message
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from benchmarks.faults.session import JOINTS, Session
+from benchmarks.faults.session import JOINTS, SCENE, Session
 from benchmarks.soak.memory import resident_memory
-from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, LATCHED_QOS, RELIABLE_QOS, SCHEDULE_QOS
+from ghc_controller.ros.qos import (
+    CLOCK_QOS,
+    CONTROL_PUBLISHER_QOS,
+    LATCHED_QOS,
+    RELIABLE_QOS,
+    SCHEDULE_QOS,
+    STREAM_QOS,
+)
+from ghc_sim_bridge.recorder.bag_reading import raw_messages
 
 WAVE = 200  # [-] messages
 PAUSE = 1e-3  # [s] wall between two of them
 MEMORY_GOAL = 16.0  # [MB] per node
 NODES = ("sim_bridge", "controller", "obstacle_bounds", "contact_force_bounds")
+WATCHERS = ("recorder", "viewer")
 
 
 def originals() -> dict[str, tuple[Any, Any]]:
@@ -52,6 +65,8 @@ def originals() -> dict[str, tuple[Any, Any]]:
     moving = ConstraintPreview(kind="obstacle_motion", step=0.01, points=2, motions=[motion])
     previews = ConstraintPreviews(previews=[bounds, moving])
     point = TaskReferencePoint(position=[0.5, 0.1, 0.7])
+    shown = TaskState(name="end_effector", error=[0.1] * 3, reference=[0.4, 0.0, 0.5])
+    report = ControllerState(tasks=[shown], alpha=[0.0])
     order = "elbow > end_effector > posture"
     return {
         "joint_states": (CONTROL_PUBLISHER_QOS, states),
@@ -60,6 +75,8 @@ def originals() -> dict[str, tuple[Any, Any]]:
         "ghc/tick": (CONTROL_PUBLISHER_QOS, Tick()),
         "ghc/priority_transition": (RELIABLE_QOS, PriorityTransition(hierarchy=order)),
         "ghc/task_reference": (RELIABLE_QOS, TaskReference(task="elbow", points=[point])),
+        "ghc/controller_state": (STREAM_QOS, report),
+        "/clock": (CLOCK_QOS, Clock()),
         "constraints/obstacles": (
             CONTROL_PUBLISHER_QOS,
             ObstacleStateArray(obstacles=[obstacle]),
@@ -94,6 +111,9 @@ def fuzz_nodes(cases: int, seed: int, folder: Path) -> dict[str, Any]:
     """Run; figures, `holds` among them."""
     random = Random(seed)
     with Session(folder) as session:
+        bag = folder / "recording"
+        session.start("recorder", output=bag, record_mode="full")
+        session.start("viewer", scene=SCENE, output=folder / "live.rrd")
         for name in NODES:
             session.start(name)
         session.ready()
@@ -104,7 +124,9 @@ def fuzz_nodes(cases: int, seed: int, folder: Path) -> dict[str, Any]:
         }
         sound = {topic: bytes(serialize_message(m)) for topic, (_, m) in kinds.items()}
         # The middleware sends no more bytes than a message of fixed size has.
-        fixed = {t: len(sound[t]) for t, (_, m) in kinds.items() if isinstance(m, Epoch | Tick)}
+        fixed = {
+            t: len(sound[t]) for t, (_, m) in kinds.items() if isinstance(m, Epoch | Tick | Clock)
+        }
         topics = sorted(kinds)
         sent, slowest, before = 0, 0.0, dict[str, float]()
         failure = ""
@@ -140,11 +162,19 @@ def fuzz_nodes(cases: int, seed: int, folder: Path) -> dict[str, Any]:
             for n, p in session.processes.items()
             if p.exit_code is None and before
         }
+        rejected = session.refused()
+        ends = {name: session.stop(name) for name in WATCHERS if name in session.processes}
+        recorded = sum(message is not None for _, message in raw_messages(bag))
         return {
             "cases": sent,
-            "rejected": session.refused(),
+            "rejected": rejected,
+            "recorded": recorded,
+            "exit_codes": ends,
             "slowest_recovery_s": round(slowest, 3),
             "growth_mb": growth,
             "failure": failure,
-            "holds": not failure and all(v <= MEMORY_GOAL for v in growth.values()),
+            "holds": not failure
+            and all(v <= MEMORY_GOAL for v in growth.values())
+            and not any(ends.values())
+            and recorded > sent,
         }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,10 @@ from ghc_msgs.msg import (
 )
 from hypothesis import strategies as st
 
+from benchmarks.fuzz.edits import edited
 from benchmarks.fuzz.target import ODD_FLOAT, STAMP, WORD, Target
 from ghc_controller import GhcError, PriorityMatrix, load_robot, matrix_from_hierarchy
+from ghc_controller.errors import UnknownName
 from ghc_controller.hierarchy import (
     TransitionSchedule,
     format_hierarchy,
@@ -99,6 +102,16 @@ def follow(case: tuple[list[tuple[PriorityTransition, float]], list[float]]) -> 
         assert ((alpha >= 0.0) & (alpha <= 1.0)).all()
 
 
+def _edit_requests(case: Any, random: Random) -> Any:
+    """One request, or one time: those of the simulation go on by seconds."""
+    requests, times = case
+    if requests and random.random() < 0.8:
+        edited(requests[random.randrange(len(requests))][0], random)
+    elif times:
+        times[random.randrange(len(times))] = random.uniform(0.0, 2.0)
+    return case
+
+
 @cache
 def robot() -> Any:
     """Tasks that follow references."""
@@ -137,7 +150,10 @@ def references(draw: st.DrawFn) -> TaskReference:
 def refer(message: TaskReference) -> None:
     """What is accepted can be followed at any time."""
     known = robot()
-    task = next(task for task in known.tasks if task.name == message.task)
+    tasks = {task.name: task for task in known.tasks}
+    if message.task not in tasks:
+        raise UnknownName("task", message.task, tasks)
+    task = tasks[message.task]
     current = np.zeros(task.position_size)
     reference = reference_from_message(message, task, current, 1.0)
     check_plausible(task, reference, known.model.limits, known.model.joint_names)
@@ -259,7 +275,7 @@ def targets() -> tuple[Target, ...]:
             transitions(),
             lambda m: transition_from_message(m, TASKS, 1.0) and None,
         ),
-        Target("transition_logic", st.tuples(asked, steps), follow),
+        Target("transition_logic", st.tuples(asked, steps), follow, edit=_edit_requests),
         Target("task_reference", references(), refer),
         Target("contact_schedule", schedules(), plan_of),
         Target("preview_of_bounds", previews(), read_preview),

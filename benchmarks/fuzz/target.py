@@ -1,22 +1,24 @@
-"""One thing that takes what others wrote, and what may come of it."""
+"""One consumer of external input, with its documented errors."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from random import Random
 from typing import Any
 
 from hypothesis import strategies as st
 
+from benchmarks.fuzz.edits import edited as edited_case
 from ghc_controller import GhcError
 
 MESSAGE_BUDGET = 0.010  # [s] of CPU, for whatever comes while the robot moves
-FILE_BUDGET = 0.500  # [s] of CPU, for files: read once, before a node is ready
+FILE_BUDGET = 0.010  # [s] of CPU, for files, which are read before a node is ready
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """What is fuzzed: `run` raises one of `documented`, or nothing."""
+    """A fuzz target: `run` raises one of `documented`, or nothing."""
 
     name: str
     cases: st.SearchStrategy[Any]
@@ -24,6 +26,7 @@ class Target:
     documented: tuple[type[Exception], ...] = (GhcError,)
     budget: float = MESSAGE_BUDGET  # [s] of CPU per case
     share: float = 1.0  # [-] of the cases of one target; files are slow
+    edit: Callable[[Any, Random], Any] = edited_case  # another case of one, maybe in place
 
 
 ANY_FLOAT = st.floats(width=64)

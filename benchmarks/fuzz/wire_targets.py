@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import struct
 from functools import cache
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -95,6 +97,27 @@ def judge_states(case: list[tuple[float, list[float], list[float], list[float]]]
             continue
 
 
+def _edit_stamps(case: list[tuple[int, int, int]], random: Random) -> list[tuple[int, int, int]]:
+    """One stamp, number or start another one; those of the wire have 64 bits."""
+    if case:
+        entry = list(case[at := random.randrange(len(case))])
+        entry[random.randrange(3)] = random.getrandbits(random.choice((2, 28, 62)))
+        case[at] = (entry[0], entry[1], entry[2])
+    return case
+
+
+def _edit_states(case: list[Any], random: Random) -> list[Any]:
+    """One position, velocity or effort another one; the first two are finite, as they are read."""
+    if case:
+        _, *rows = case[random.randrange(len(case))]
+        row = random.choice(rows)
+        (odd,) = struct.unpack("<d", random.randbytes(8))
+        number = random.choice((random.uniform(-3.0, 3.0), odd))
+        if row is rows[2] or np.isfinite(number):
+            row[random.randrange(len(row))] = number
+    return case
+
+
 def targets() -> tuple[Target, ...]:
     """All of this file."""
     finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -118,10 +141,16 @@ def targets() -> tuple[Target, ...]:
             lambda d: decode_tick(d) and None,
             (ValueError,),
         ),
-        Target("stamps", st.lists(st.tuples(stamp, epoch, stamp), max_size=12), judge_stamps),
+        Target(
+            "stamps",
+            st.lists(st.tuples(stamp, epoch, stamp), max_size=12),
+            judge_stamps,
+            edit=_edit_stamps,
+        ),
         Target(
             "states",
             st.lists(st.tuples(st.floats(0.0, 1e9), row, row, effort), max_size=5),
             judge_states,
+            edit=_edit_states,
         ),
     )

@@ -19,7 +19,7 @@ _QUICK_STEPS = 60
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0 = everything was run, 1 = something is missing (said in one line)."""
+    """Exit code: 0 = everything run, 1 = something is missing, reported in one line."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):  # before NumPy is imported
         os.environ.setdefault(name, "1")
     import ghc_controller as ghc

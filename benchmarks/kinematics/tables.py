@@ -71,7 +71,7 @@ def humanoid_table(results: Results) -> str:
 
 
 def check_table(results: Results) -> str:
-    """What was asked for, beside what was measured."""
+    """Goals next to measured values."""
     rows = []
     for number, sigma in {1: 574, 10: 912, 15: 775, 17: 890, 18: 971}.items():
         rows.append(_near(results, number, "gn", "sigma", sigma, 0.03 * sigma, "± 3 %"))

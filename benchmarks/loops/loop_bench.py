@@ -27,7 +27,7 @@ SCENE = "kuka_lwr"  # and the robot of that name
 CONTROL_DT = 1e-3  # [s]
 _BRIDGE = "sim_bridge"
 _SETTLING = 500  # [cycles] at the start: discovery, first calls
-_DEADLINE = 180.0  # [s] wall; the first start compiles the controller's kernels
+_DEADLINE = 180.0  # [s] wall
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What the closed loop with generators needs: a contact, an obstacle, a schedule that changes."""
+"""Inputs of the closed loop with generators: a contact, an obstacle, a changing schedule."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NODES: dict[str, dict[str, Any]] = {  # generator -> its parameters
     "obstacle_bounds": {"generator": "obstacle_bounds", "sensor_period": 0.1},
 }
 WAIT_FOR = "[contact_forces, obstacle_motion]"
-_DEADLINE = 180.0  # [s] wall; the first start compiles the generator's kernels
+_DEADLINE = 180.0  # [s] wall
 _LOOK_EVERY = Duration(seconds=1)  # wall
 _CONTACT = "tool"
 _JUMP_EVERY = 0.5  # [s]

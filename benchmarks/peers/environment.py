@@ -1,4 +1,4 @@
-"""A virtual environment for each peer: its own Pinocchio would not go with ours."""
+"""A virtual environment for each peer, since their Pinocchio conflicts with ours."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _STAMP = "installed.txt"  # the lock that the environment was made from
 
 
 def peer_python(peer: str, layout: Layout) -> Path:
-    """The Python of a peer's environment, which is made where it is missing or of another lock.
+    """The Python of a peer's environment, which is created if missing or outdated.
 
     Raises:
         SetupError: the packages could not be installed.

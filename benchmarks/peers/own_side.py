@@ -1,4 +1,4 @@
-"""This project's controller, a formulation at a time."""
+"""This project's controller with one formulation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class OwnSide:
     """`Controller.step`, with references, gate and report."""
 
     def __init__(self, problem: PeerProblem, urdf: str, formulation: str, order: str) -> None:
-        """The controller of a case; `order` is "strict", or "ramp" with two orders in force."""
+        """The controller of a case; `order` is "strict", or "ramp" with two active orders."""
         del urdf  # the product has its own
         self._problem = problem
         self._ramp = order == "ramp"
@@ -28,7 +28,6 @@ class OwnSide:
         robot.model.limits = replace(robot.model.limits, torque=problem.torque_limit)
         settings = ghc.Settings(formulation=formulation, control_dt=DT, torque_rate_limit=0.0)
         self.controller = ghc.Controller(robot, settings)
-        self.controller.warm_up()
         self._states = [
             ghc.RobotState(row * DT, q, v)
             for row, (q, v) in enumerate(zip(problem.q, problem.v, strict=True))
@@ -36,7 +35,7 @@ class OwnSide:
         self._watched: list[tuple[int, int, bool]] = []
 
     def enter(self, row: int) -> None:
-        """Start afresh towards the goals of the segment that begins with a state."""
+        """Restart with the goals of the segment that begins with a state."""
         segment = int(self._problem.segment[row])
         controller = self.controller
         controller.reset()

@@ -1,4 +1,4 @@
-"""One case as a file: robot, tasks, goals, limits and states; read by all sides, NumPy alone."""
+"""One case as a file: robot, tasks, goals, limits and states; read by all sides with NumPy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A side in a process of its own."""
+"""A side in a separate process."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _KEPT = ("PATH", "HOME", "LANG")  # of this environment: a peer finds its own li
 
 
 class SideProcess:
-    """Starts a worker with the Python of a side, and asks it."""
+    """Starts a worker with the Python of a side, and sends requests."""
 
     def __init__(self, side: str, python: Path, root: Path, *, foreign: bool) -> None:
         """Start it.
@@ -56,7 +56,7 @@ class SideProcess:
         self._process.wait()
 
     def open(self, name: str, file: Path, options: Sequence[str]) -> dict[str, Any]:
-        """Prepare a case under a name; torques of one walk through its states, and facts."""
+        """Prepare a case under a name; returns torques at its states, and facts."""
         urdf = urdf_file(PeerProblem.load(file).robot)
         return self._ask({"open": str(file), "urdf": urdf, "options": list(options), "as": name})
 

@@ -1,4 +1,4 @@
-"""Make the files in `states/`: closed loops of the default controller on their way to goals.
+"""Records the files in `states/`: closed loops of the default controller towards goals.
 
 `python -m benchmarks.peers.record` writes all of them; the seeds are fixed.
 """

@@ -23,7 +23,7 @@ STATES = Path(__file__).resolve().parent / "states"
 PEERS = ("tsid", "placo")
 FILE = "peers.json"
 _FORMULATIONS = ("cascade", "balanced", "ghc")
-_RAMPS = ("kuka_lwr_5_free", "icub_5_free")  # also with two orders in force
+_RAMPS = ("kuka_lwr_5_free", "icub_5_free")  # also with two active orders
 _ROUNDS, _QUICK_ROUNDS = 20, 1
 
 
@@ -74,7 +74,7 @@ def _version(peer: str, layout: Layout) -> str:
 
 
 def _case(file: Path, sides: Mapping[str, SideProcess], rounds: int) -> list[dict[str, Any]]:
-    """Rows of one case: in strict order, and in a ramp where that is asked for."""
+    """Rows of one case: in strict order, and in a ramp if requested."""
     print(f"bench: {file.stem}", file=sys.stderr, flush=True)
     problem = PeerProblem.load(file)
     orders = ("strict", "ramp") if file.stem in _RAMPS else ("strict",)
@@ -100,7 +100,7 @@ def _case(file: Path, sides: Mapping[str, SideProcess], rounds: int) -> list[dic
 def _opened(
     entry: Entry, order: str, file: Path, sides: Mapping[str, SideProcess]
 ) -> dict[str, Any]:
-    """Prepare a case; how often there was no answer, and means of the project's own counts."""
+    """Prepare a case; returns the number of failed steps, and means of the project's counts."""
     facts = sides[entry.side].open(_name(entry, order, file.stem), file, entry.options)
     torques = facts.pop("torques")
     missing = sum(torque is None for torque in torques) / len(torques)

@@ -1,4 +1,4 @@
-"""One side in a process of its own: reads requests as lines of JSON, answers with lines of JSON.
+"""One side in a separate process: requests and replies are lines of JSON.
 
 `python -m benchmarks.peers.worker SIDE`: {"open": file, "urdf": file, "options": [], "as": name}
 prepares a case, {"run": name} times one step at each of its states.
@@ -26,7 +26,7 @@ class Side(Protocol):
     """A controller of one case."""
 
     def enter(self, row: int) -> None:
-        """Take the goals of the segment that begins with a state."""
+        """Set the goals of the segment that begins with a state."""
 
     def step(self, row: int) -> Array | None:
         """Torque (a,) [Nm] at a state, model update included; None without an answer."""
@@ -50,7 +50,7 @@ def main() -> None:
 
 
 def _watched(problem: PeerProblem, side: Side) -> dict[str, Any]:
-    """Every state once, without timing: torques, and what the side says of them."""
+    """Every state once, without timing: torques, and facts reported by the side."""
     answers = []
     for row in range(len(problem.q)):
         if problem.begins(row):

@@ -1,4 +1,4 @@
-"""Time per tick of the generators, against the horizon and how much they handle."""
+"""Time per tick of the generators, by horizon and number of contacts or obstacles."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = ("warm", "changed", "first")
 
 @dataclass(frozen=True, slots=True)
 class MpcEffort:
-    """How much is measured for each generator, horizon and count."""
+    """Number of measurements per generator, horizon and count."""
 
     rounds: int
     ticks: int  # of a round, a multiple of CHANGE_EVERY
@@ -35,7 +35,7 @@ class TimedLoad:
     """One case: the times [s] of its ticks."""
 
     def __init__(self, kind: type[Load], count: int, horizon: float) -> None:
-        """Make the generator, and with the first of its kind load the compiled code."""
+        """Create the generator."""
         self._kind, self._count, self._horizon = kind, count, horizon
         self._load = kind(count, horizon)
         self._next = 0  # number of the next tick
@@ -45,7 +45,7 @@ class TimedLoad:
         self._next = 1
 
     def start_afresh(self) -> None:
-        """Time making a generator, and its first tick."""
+        """Time the construction of a generator, and its first tick."""
         begun = perf_counter()
         fresh = self._kind(self._count, self._horizon)
         self._times["start"].append(perf_counter() - begun)
@@ -79,7 +79,7 @@ class TimedLoad:
         }
 
     def _tick(self, load: Load, number: int, kind: str | None) -> None:
-        """One tick; what comes in is not part of its time."""
+        """One tick; processing of inputs is not timed."""
         now = number * STEP
         if number % CHANGE_EVERY == 0:
             load.change(now)

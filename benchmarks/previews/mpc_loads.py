@@ -1,4 +1,4 @@
-"""What the generators are timed on: inputs that jump, so that every tick has a change ahead.
+"""Inputs for timing the generators: they jump, so that every tick has a change ahead.
 
 Ten times a second something new comes: other schedules for all contacts, other places for all
 obstacles. These ticks count apart from those between, which have the same change ahead of them
@@ -51,7 +51,7 @@ class Load(ABC):
 
     @abstractmethod
     def tick(self, now: float) -> Any:
-        """The plan of a tick: all that is timed."""
+        """The plan of a tick; only this is timed."""
 
     @abstractmethod
     def moves(self, plan: Any) -> bool:
@@ -60,7 +60,7 @@ class Load(ABC):
     @property
     @abstractmethod
     def second_opinions(self) -> int:
-        """How often the structured solve had to be repeated by another solver."""
+        """Number of structured solves repeated by the fallback solver."""
 
 
 class ForceLoad(Load):

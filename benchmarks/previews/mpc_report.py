@@ -33,7 +33,7 @@ def mpc_rows(mpc: Sequence[Row], generator: str, **wanted: float) -> list[Row]:
 
 
 def mpc_table(mpc: Sequence[Row], generator: str) -> str:
-    """Median (p99) [us] by horizon and kind of tick, against how much is handled."""
+    """Median (p99) [us] by horizon and kind of tick, against the number of rows."""
     mine = mpc_rows(mpc, generator)
     counts = sorted({row["count"] for row in mine})
     noun = mine[0]["handles"]
@@ -50,7 +50,7 @@ def mpc_table(mpc: Sequence[Row], generator: str) -> str:
 
 
 def start_table(mpc: Sequence[Row]) -> str:
-    """Time to make a generator [ms]: matrices of the horizon; code is compiled already."""
+    """Construction time of a generator [ms]: matrices of the horizon."""
     horizons = sorted({row["horizon"] for row in mpc})
     lines = []
     for generator in generators_of(mpc):

@@ -21,7 +21,7 @@ other schedules for all contacts, other places for all obstacles.
 
 - **change seen before**: the ticks between two such inputs.
 - **new inputs**: the first tick that knows them.
-- **first tick**: of a generator just made. Code is compiled then, but nothing is planned.
+- **first tick**: of a generator just made: nothing is planned.
 
 Median (p99) in microseconds, by kind of tick and horizon N T.
 """

@@ -1,4 +1,4 @@
-"""Torque-rate budgets: what a ramp adds, and the shortest ramp that keeps the budget."""
+"""Torque-rate budgets: rate added by a ramp, and the shortest ramp within a budget."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """What one ramp did."""
+    """Result of one ramp."""
 
     duration: float  # [s]; inf: not done within _LONGEST
     added: float  # [Nm/s @ 1 ms] largest change of torque by the ramp alone
 
 
 def follow(controller: ghc.Controller, case: Case, duration: float, torque_rate: float) -> Way:
-    """Ramp linearly over `duration` [s], or as the budget `torque_rate` [Nm/s] asks."""
+    """Ramp linearly over `duration` [s], or with a budget `torque_rate` [Nm/s]."""
     step = begin_case(controller, case)
     names = controller.robot.task_names
     start, schedule = round(case.lead / PERIOD) * PERIOD, controller.priorities
@@ -84,7 +84,7 @@ def shortest(controller: ghc.Controller, case: Case, budget: float, about: float
 
 
 def whole_change(controller: ghc.Controller, case: Case) -> float:
-    """[Nm] by which the answers of the two orders differ at the start of the ramp."""
+    """[Nm] difference of the solutions of both orders at the start of the ramp."""
     step = begin_case(controller, case)
     for tick in range(round(case.lead / PERIOD) + 1):
         step(tick * PERIOD)
@@ -98,7 +98,7 @@ def whole_change(controller: ghc.Controller, case: Case) -> float:
 
 
 def begin_case(controller: ghc.Controller, case: Case) -> Callable[[float], Array]:
-    """Put the controller at the start of a case; a function that makes one step."""
+    """Initialize the controller for a case; returns a function that executes one step."""
     names, model = controller.robot.task_names, controller.model
     controller.reset()
     controller.observe(ghc.RobotState(0.0, case.q, np.zeros(model.nv)))

@@ -1,4 +1,4 @@
-"""How even the answer of a formulation is while random orders change: swaps and removals."""
+"""Smoothness of a formulation during ramps between random orders: swaps and removals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ramps of 100 equal steps of the share at a state that is held: how evenly does torque change?"""
+"""Ramps in 100 equal steps at a fixed state: how evenly does the torque change?"""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ KINDS = (
 
 @dataclass(frozen=True, slots=True)
 class Ramp:
-    """What became of one ramp."""
+    """Result of one ramp."""
 
     largest_share: float  # of the whole change, in one step: 0.01 when even; nan: not solved
     unsolved: int  # steps
@@ -39,9 +39,9 @@ class Ramp:
 def orders_of(
     kind: str, order: Sequence[int], rng: np.random.Generator
 ) -> list[tuple[Sequence[int], float]]:
-    """Orders in the turn in which they are ramped to, each with the share at which it is left.
+    """Orders in sequence, each with the share at which the ramp to it is left.
 
-    The first one is in force at the start. A removed task is missing in its order.
+    The first one is active at the start. A removed task is missing in its order.
     """
     first, second, third = order[:3]
     rest = list(order[3:])
@@ -68,7 +68,7 @@ def follow(
     state: ghc.RobotState,
     orders: Sequence[tuple[Sequence[int], float]],
 ) -> list[Ramp]:
-    """Ramp through orders, linear in time; a controller that was begun at `state` at rest."""
+    """Ramp through orders, linear in time, with a controller started at rest at `state`."""
     names = controller.robot.task_names
     ramps: list[Ramp] = []
     time = 0.0

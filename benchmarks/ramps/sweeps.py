@@ -20,7 +20,7 @@ _SPEED = 1.2  # [rad/s] limit of every joint, that of the arm's scenarios
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """One way through states, targets and boxes; p points each."""
+    """One sweep through p states, targets and bounds."""
 
     title: str
     hierarchy: str

@@ -1,4 +1,4 @@
-"""A case of the upper body in closed loop with the simulator, and the figures of its run."""
+"""Closed-loop simulation of an upper-body case, and the results of the run."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Run:
     orientation: Array  # (T,) [rad]
     gap: Array  # (T,) [m] of the elbow from the obstacle
     torque: Array  # (T, n) [Nm]
-    mixed: Array  # (T,) 1 where several orders are in force
+    mixed: Array  # (T,) 1 where several orders are active
     qps: Array  # (T,)
     cpu: Array  # (T,) [s] of the formulation
     unsolved: int  # steps that are not SOLVED
@@ -55,7 +55,6 @@ def run_case(
         optimization=optimization,
     )
     controller = ghc.Controller.for_robot(ROBOT, settings)
-    controller.warm_up()
     counted = _Counted(controller)
     simulator = Simulator(SCENE, control_dt=dt, joint_names=controller.model.joint_names)
     state = simulator.state()
@@ -86,7 +85,7 @@ def run_case(
 
 
 def figures(run: Run) -> dict[str, float | int | None]:
-    """Figures of a run, in the units of the table."""
+    """Results of a run, in the units of the table."""
     mixed = run.mixed.astype(bool)
     result: dict[str, float | int | None] = {
         "max_mm": 1e3 * float(run.position.max()),

@@ -1,4 +1,4 @@
-"""Drives one generator node over DDS as fast as it answers: robot, planner and sensor in one."""
+"""Drives one generator node over DDS as fast as it replies, as robot, planner and sensor."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 
 STEP_NS = 10_000_000  # [ns] T: ticks at 100 Hz
 CHANGE_EVERY = 10  # ticks
-_DEADLINE = 60.0  # [s] wall, for one plan; the first one may wait for compilers
+_DEADLINE = 60.0  # [s] wall, for one plan
 _REPEAT = 0.1  # [s] wall until a state is sent again
 
 
@@ -31,7 +31,7 @@ class Driver(ABC):
     topic: str  # of the plans
 
     def __init__(self, context: Context) -> None:
-        """Make the node that the generator talks to."""
+        """Create the node that communicates with the generator."""
         self.node = Node("surroundings", context=context)
         self.plans = 0
         self._executor = SingleThreadedExecutor(context=context)
@@ -48,11 +48,11 @@ class Driver(ABC):
 
     @abstractmethod
     def count_of(self, plan: Any) -> int:
-        """How many contacts or obstacles a plan holds."""
+        """Number of contacts or obstacles in a plan."""
 
     @property
     def handled(self) -> int:
-        """How many contacts or obstacles the newest plan holds."""
+        """Number of contacts or obstacles in the newest plan."""
         return self._handled
 
     def tick(self, number: int, check: Callable[[], None]) -> None:

@@ -1,4 +1,4 @@
-"""What each generator is driven with: schedules that are replaced, obstacles that jump."""
+"""Inputs of each generator: replaced schedules, jumping obstacles."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class ForceDriver(Driver):
 
 
 class MotionDriver(Driver):
-    """Obstacles that jump at 10 Hz; now and then one is not seen, and comes again."""
+    """Obstacles that jump at 10 Hz; sometimes one disappears and reappears."""
 
     generator = "obstacle_bounds"
     plan = ConstraintPreviews

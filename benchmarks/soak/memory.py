@@ -1,4 +1,4 @@
-"""Memory of a process over simulated time, and how much of it is growth."""
+"""Memory of a process over simulated time, and its growth."""
 
 from __future__ import annotations
 

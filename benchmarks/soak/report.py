@@ -1,4 +1,4 @@
-"""What `make soak` shows: table, figure, section of docs/benchmarks.md."""
+"""Output of `make soak`: table, figure, section of docs/benchmarks.md."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.soak.memory import GROWTH_GOAL, MemoryCourse
-from benchmarks.soak.section import with_soak_section
+from benchmarks.soak.section import GENERATORS
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
 from ghc_sim_bridge.programs.markdown import picture, table
 
@@ -27,7 +27,7 @@ the last 5 % of the rest. Goal: at most {goal:g} MB.
 
 
 def soak_table(rows: Sequence[dict[str, Any]]) -> str:
-    """One line a node, sizes in MB."""
+    """One line per node, sizes in MB."""
     head = ["node", "handles", "plans", "after the warm-up", "end", "peak", "growth", ""]
     return table(
         head,
@@ -46,7 +46,7 @@ def soak_table(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def plot_memory(courses: Sequence[MemoryCourse], path: Path) -> None:
-    """Change of resident memory since the end of the warm-up, which is grey; grey line: goal."""
+    """Change of resident memory since the end of the warm-up, which is gray; gray line: goal."""
     figure = new_figure(6.0, 2.6)
     with styled():
         ax = figure.subplots()
@@ -76,4 +76,4 @@ def write_soak_section(results: dict[str, Any], document: Path) -> None:
     )
     body = "\n".join([text, soak_table(rows) + "\n", picture(FIGURE, _CAPTION)])
     before = document.read_text(encoding="utf-8") if document.exists() else ""
-    document.write_text(with_soak_section(before, body), encoding="utf-8")
+    document.write_text(GENERATORS.put(before, body), encoding="utf-8")

@@ -9,6 +9,7 @@ and is asked over DDS for plan after plan, as fast as it answers.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -43,9 +44,18 @@ def _parser() -> argparse.ArgumentParser:
         "--stack", action="store_true", help="the whole stack under random inputs and kills"
     )
     parser.add_argument("--hours", type=float, default=1.0, help="of simulated time, with --stack")
+    parser.add_argument(
+        "--warm-up", type=float, default=300.0, help="[s] of a process, which do not count"
+    )
+    parser.add_argument(
+        "--wall-minutes", type=float, default=math.inf, metavar="MIN",
+        help="with --stack: judge what was reached by then",
+    )  # fmt: skip
     parser.add_argument("--output", type=Path, default=Path("results/soak"), metavar="DIR")
     parser.add_argument(
-        "--write-docs", action="store_true", help="write the section of docs/benchmarks.md too"
+        "--write-docs",
+        action="store_true",
+        help="write the section of docs/benchmarks.md too, or that of docs/reliability.md",
     )
     return parser
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import shutil
 import sys
 import time
@@ -26,13 +27,15 @@ from std_srvs.srv import SetBool
 import ghc_controller as ghc
 from benchmarks.faults.session import Session
 from benchmarks.soak.memory import GROWTH_GOAL, resident_memory
+from benchmarks.soak.stack_page import write_stack_section
 from ghc_controller.ros.qos import SCHEDULE_QOS, SENSOR_PUBLISHER_QOS
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 from ghc_controller.types import NANOSECONDS
 from ghc_mpc_constraints import ContactSchedule, Measurement
 from ghc_mpc_constraints.ros.conversions import measurement_message, schedule_message
-from ghc_sim_bridge.recorder.bag_reading import read_messages
+from ghc_sim_bridge.recorder.bag_reading import raw_messages, read_messages
 
+ROOT = Path(__file__).resolve().parents[2]
 CONTROL_DT = 5e-3  # [s]
 KILLED = ("controller", "obstacle_bounds", "contact_force_bounds")
 NODES = ("recorder", *KILLED)
@@ -92,19 +95,24 @@ class StackSoak:
         self.lives.append(life)
         self._alive[name] = (life, self.now_ns / NANOSECONDS)
 
-    def go(self) -> None:
-        """Let time run."""
+    def pause(self, paused: bool) -> None:
+        """Let time run, or stop it."""
         client = self._session.node.create_client(SetBool, "sim_bridge/pause")
         self._session.until(client.service_is_ready, "the bridge")
-        future = client.call_async(SetBool.Request(data=False))
+        future = client.call_async(SetBool.Request(data=paused))
         self._session.until(future.done, "the answer of the bridge")
 
-    def run(self) -> None:
-        """Drive until the end; GhcError where time stands still or a node ends by itself."""
+    def run(self, wall_limit: float) -> None:
+        """Drive until the end, at most `wall_limit` [s] of wall time.
+
+        Raises:
+            GhcError: time stands still, or a node ended by itself.
+        """
+        end = time.monotonic() + wall_limit
         acted = sampled = 0.0
         killed, heard, told = 0.0, time.monotonic(), 0.0
         last = -1
-        while (now := self.now_ns / NANOSECONDS) < self._length:
+        while (now := self.now_ns / NANOSECONDS) < self._length and time.monotonic() < end:
             self._session.spin(0.02)
             if self.now_ns != last:
                 last, heard = self.now_ns, time.monotonic()
@@ -164,8 +172,10 @@ class StackSoak:
 PARAMETERS: dict[str, Mapping[str, object]] = {"controller": {"lockstep": "true"}}
 
 
-def soak_stack(folder: Path, length: float, warm_up: float, kill_every: float) -> dict[str, Any]:
-    """Run and judge; figures.
+def soak_stack(
+    folder: Path, length: float, warm_up: float, kill_every: float, wall_limit: float = math.inf
+) -> dict[str, Any]:
+    """Run and judge; figures. After `wall_limit` [s] of wall time what was reached is judged.
 
     Raises:
         GhcError: a node ended by itself, or simulated time stood still.
@@ -177,16 +187,20 @@ def soak_stack(folder: Path, length: float, warm_up: float, kill_every: float) -
         soak.start("recorder", output=bag, record_mode="full")
         for name in KILLED:
             soak.start(name, **PARAMETERS.get(name, {}))
-        session.spin(8.0)  # everybody listens before the first state
         soak.start(
             "sim_bridge", mode="lockstep", lossless="true", lockstep_timeout=60.0,
             stop_time=length, paused="true",
         )  # fmt: skip
+        # It is repeated until everybody has it.
         session.until(lambda: session.state is not None, "the first state")
-        session.spin(3.0)  # it is repeated: the recorder has it too
-        soak.go()
-        soak.run()
+        session.until(lambda: session.command is not None, "its answer")
+        session.until(lambda: _has_states(bag), "the first state in the recording")
+        soak.pause(False)
+        soak.run(wall_limit)
+        if soak.now_ns < round(length * NANOSECONDS):
+            soak.pause(True)
         session.spin(1.0)
+        length = soak.now_ns / NANOSECONDS
         code = session.stop("recorder")
     recorded = {
         nanoseconds_from_time(message.header.stamp)
@@ -216,12 +230,21 @@ def soak_stack(folder: Path, length: float, warm_up: float, kill_every: float) -
     }  # fmt: skip
 
 
+def _has_states(bag: Path) -> bool:
+    """Whether a recording that is being written has joint states."""
+    if not any(bag.glob("*.mcap")):
+        return False
+    return any(m is not None and t.name == "/joint_states" for t, m in raw_messages(bag))
+
+
 def run_stack(options: argparse.Namespace) -> bool:
     """Soak the stack, print and write stack.json; whether all holds."""
     length = QUICK_LENGTH if options.quick else 3600.0 * options.hours
-    warm_up, kill_every = (2.0, 4.0) if options.quick else (300.0, 600.0)
+    warm_up, kill_every = (2.0, 4.0) if options.quick else (options.warm_up, 2 * options.warm_up)
     shutil.rmtree(options.output / "stack", ignore_errors=True)
-    figures = soak_stack(options.output / "stack", length, warm_up, kill_every)
+    figures = soak_stack(
+        options.output / "stack", length, warm_up, kill_every, 60.0 * options.wall_minutes
+    )
     path = options.output / "stack.json"
     path.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     for row in figures["lives"]:
@@ -229,4 +252,6 @@ def run_stack(options: argparse.Namespace) -> bool:
         told = "too short a life" if growth is None else f"{growth:.2f} MB/h"
         print(f"{row['node']:22} {row['lived_s']:8.0f} s  {row['last_mb']:7.1f} MB  {told}")
     print(f"states missing in the recording: {figures['ticks_missing']} of {figures['ticks']}")
+    if not options.quick and options.write_docs:
+        write_stack_section(figures, ROOT / "docs" / "reliability.md")
     return bool(figures["holds"])

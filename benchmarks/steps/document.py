@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.loops.loop_bench import FORMULATION
 from benchmarks.previews.mpc_section import tick_section
-from benchmarks.soak.section import keep_soak_section
+from benchmarks.soak.section import GENERATORS
 from benchmarks.steps.standing_bench import standing_section
 from benchmarks.steps.step_bench import REGIMES
 from benchmarks.steps.tables import (
@@ -63,7 +63,7 @@ _NOTES = """## What to keep in mind
 - The model and everything around it cost the same for all and belong to the step: they bound the
   ratio from above, the more so on a small robot. The ratio of the solves alone is larger.
 - `ghc_full` and `hqp` assemble their matrices in NumPy, `ghc`, `balanced` and `weighted` in
-  compiled kernels, as does `cascade` where no bound is reached; rows of the QP, solvers and
+  the compiled core, where `cascade` is as a whole; rows of the QP, solvers and
   checks are the same code for all. A compiled cascade of QPs would be several times faster than
   `hqp` here: it stands for the same language and the same solver, not for the best HQP there is.
 - With more than ten rows active DAQP starts from the active set of the step before. This helps
@@ -94,7 +94,7 @@ def write_document(results: dict[str, Any], docs: Path) -> None:
     docs.mkdir(parents=True, exist_ok=True)
     path = docs / "benchmarks.md"
     before = path.read_text(encoding="utf-8") if path.exists() else ""
-    path.write_text(keep_soak_section("\n".join(parts), before), encoding="utf-8")
+    path.write_text(GENERATORS.keep("\n".join(parts), before), encoding="utf-8")
 
 
 def _machine(results: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""How fast the machine ran while it was measured on, and what its host took: it may be shared."""
+"""Speed of the machine during measurements, and CPU time stolen by its host."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ _TURNS = 3000  # of a loop in plain Python, some 0.2 ms
 
 
 class TakenByHost:
-    """Share of the CPUs' time that the host of a virtual machine gave to others meanwhile."""
+    """Fraction of the CPU time that the host of a virtual machine gave to others."""
 
     def __init__(self) -> None:
         self._begin = _cpu_times()
 
     def share(self) -> float:
-        """Since this was made; 0 where nobody counts."""
+        """Since construction; 0 if not available."""
         taken, total = (now - then for now, then in zip(_cpu_times(), self._begin, strict=True))
         return taken / total if total > 0.0 else 0.0
 
@@ -33,7 +33,7 @@ def _cpu_times() -> tuple[float, float]:
 
 
 class Pace:
-    """Times one fixed piece of work again and again, between the measurements."""
+    """Times a fixed workload repeatedly between the measurements."""
 
     def __init__(self) -> None:
         self._times: list[float] = []

@@ -39,12 +39,12 @@ class BenchRobot(ABC):
         return len(self.frames) + 1
 
     def product(self) -> ghc.Robot:
-        """The robot as the stack knows it: its limits are those of the benchmark."""
+        """The robot of the stack, with the limits of the benchmark."""
         return ghc.load_robot(self.name)
 
     @abstractmethod
     def model(self) -> RobotModel:
-        """A model of its own for every caller."""
+        """A new model for every caller."""
 
     @abstractmethod
     def start(self, model: RobotModel) -> Array:

@@ -96,7 +96,6 @@ def simulated(count: int, segments: int, length: int) -> list[Segment]:
     robot = _config(count)
     simulator = Simulator(SCENE, DT, DT, joint_names=robot.model.joint_names)
     controller = ghc.Controller(robot, ghc.Settings(control_dt=DT, torque_rate_limit=0.0))
-    controller.warm_up()
     rng = np.random.default_rng(0)
     found = []
     for _ in range(segments):

@@ -1,14 +1,14 @@
-"""States and goals in which control steps are timed: taken from a closed loop, not made up."""
+"""States and goals for timing control steps, recorded from a closed loop."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import ghc_controller as ghc
-from ghc_controller.constraints import ConstraintSet, TorqueCenter, TorqueLimit
+from ghc_controller.constraints import TorqueCenter, TorqueLimit
 from ghc_controller.types import Array
 
 DT = 1e-3  # [s] control period
@@ -47,7 +47,7 @@ def closed_loop(
     goals: Sequence[tuple[ghc.ReferenceTrajectory, ...]],
     length: int,
 ) -> list[Segment]:
-    """Drive the robot `length` periods to each of the goals in turn; the states on the way."""
+    """Drive the robot `length` periods towards each goal in turn; returns the states."""
     q, v = start.copy(), np.zeros_like(start)
     segments = []
     for of_tasks in goals:
@@ -65,14 +65,14 @@ def closed_loop(
 
 
 def begin(controller: ghc.Controller, goals: Sequence[ghc.ReferenceTrajectory]) -> None:
-    """Let a controller start afresh towards these goals."""
+    """Restart a controller with these goals."""
     controller.reset()
     for goal in goals:
         controller.add_reference(goal)
 
 
 def torque_bound(controller: ghc.Controller, segments: Sequence[Segment]) -> Array:
-    """(n,) [Nm] bound about gravity: a share of what the tasks ask for without one."""
+    """(n,) [Nm] bound about gravity: a fraction of the unbounded torques."""
     largest = np.full(controller.model.nv, _LEAST_BOUND / TORQUE_SHARE)
     for segment in segments:
         begin(controller, segment.goals)
@@ -82,11 +82,10 @@ def torque_bound(controller: ghc.Controller, segments: Sequence[Segment]) -> Arr
     return TORQUE_SHARE * largest
 
 
-def bound_torque(controller: ghc.Controller, bound: Array) -> None:
-    """Add a torque bound about gravity (a,) [Nm] to the constraints of a controller.
+def with_torque_bound(robot: ghc.Robot, bound: Array) -> ghc.Robot:
+    """The robot with a torque bound about gravity (a,) [Nm] among its constraints.
 
     The settings know one number for all joints; the regime with active bounds needs one for each.
     """
-    model = controller.model
-    box = TorqueLimit(bound, model.na, TorqueCenter.GRAVITY, "torque_bound")
-    controller.constraints = ConstraintSet([*controller.constraints.constraints, box], model)
+    box = TorqueLimit(bound, robot.model.na, TorqueCenter.GRAVITY, "torque_bound")
+    return replace(robot, constraints=(*robot.constraints, box))

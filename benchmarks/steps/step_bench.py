@@ -32,7 +32,7 @@ _DRIVER = Variant(_DEFAULT, "daqp")  # makes the states that all variants are ti
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How much is measured for each robot, number of tasks and regime."""
+    """Number of measurements per robot, number of tasks and regime."""
 
     segments: int
     length: int  # states of a segment

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import ghc_controller as ghc
-from benchmarks.steps.states import DT, Segment, begin, bound_torque
+from benchmarks.steps.states import DT, Segment, begin, with_torque_bound
 from ghc_controller.types import Array
 
 PARTS = {
@@ -26,14 +26,14 @@ _OUTCOMES = ("qp_share", "solved_share", "active_bounds", "qps", "pivots")  # me
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """What is compared: a formulation with a solver."""
+    """A formulation with a solver."""
 
     formulation: str
     solver: str
 
     @property
     def title(self) -> str:
-        """As in tables: the default solver goes without saying."""
+        """Label in tables, without the default solver."""
         return self.formulation if self.solver == "daqp" else f"{self.formulation} ({self.solver})"
 
 
@@ -55,7 +55,7 @@ class TimedController:
         self._outcomes: list[tuple[float, ...]] = []  # of each step: see `watch`
 
     def watch(self, segment: Segment) -> None:
-        """Step through a segment once, without timing, and note what happens in it."""
+        """Step through a segment once, without timing, and record its events."""
         self._begin(segment)
         solver = self.controller.formulation.solver
         for state in segment.states:
@@ -124,11 +124,7 @@ def make_controller(robot: ghc.Robot, variant: Variant, bound: Array | None) -> 
         control_dt=DT,
         torque_rate_limit=0.0,
     )
-    controller = ghc.Controller(robot, settings)
-    if bound is not None:
-        bound_torque(controller, bound)
-    controller.warm_up()
-    return controller
+    return ghc.Controller(robot if bound is None else with_torque_bound(robot, bound), settings)
 
 
 def _rounded(value: Any) -> float:

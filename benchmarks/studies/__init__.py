@@ -16,7 +16,7 @@ from typing import Any, Protocol, runtime_checkable
 
 
 class Study(Protocol):
-    """What the module of a study offers."""
+    """Interface of a study module."""
 
     NAME: str
     TITLE: str
@@ -31,7 +31,7 @@ class Study(Protocol):
 
 @runtime_checkable
 class StudyWithFigure(Study, Protocol):
-    """What the module of a study with a figure offers."""
+    """Interface of a study module with a figure."""
 
     FIGURE: str  # file name
     CAPTION: str
@@ -42,7 +42,7 @@ class StudyWithFigure(Study, Protocol):
 
 @runtime_checkable
 class StudyWithPage(Study, Protocol):
-    """What the module of a study with a page of its own offers."""
+    """Interface of a study module with a separate page."""
 
     PAGE: str  # file name
 

@@ -1,4 +1,4 @@
-"""63 and 126 chained joints with active bounds: is there an answer within the pivot cap?"""
+"""63 and 126 chained joints with active bounds: is there a solution within the pivot limit?"""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
         for number, case in enumerate(chain_problems(controller, free, count)):
             for name, formulation in solvers.items():
                 if number == 0:
-                    formulation.solve(case.problem)  # kernels are loaded outside the timing
+                    formulation.solve(case.problem)  # workspaces are made outside the timing
                 records[name, case.regime].add(formulation, case.problem)
         for (name, regime), record in records.items():
             found[name][f"{size} joints, {regime}"] = record.figures()
@@ -44,7 +44,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 
 class _Record:
-    """What one formulation did on one kind of problems."""
+    """Results of one formulation on one kind of problems."""
 
     def __init__(self) -> None:
         self.status: Counter[str] = Counter({s.name: 0 for s in SolutionStatus})

@@ -1,4 +1,4 @@
-"""A task given twice, each above the other; and references that are absurdly far away."""
+"""Duplicate tasks at different levels, and references far out of reach."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 
 class _Record:
-    """What one formulation did on one group of problems."""
+    """Results of one formulation on one group of problems."""
 
     def __init__(self) -> None:
         self.status: Counter[str] = Counter()

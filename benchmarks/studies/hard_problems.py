@@ -58,7 +58,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
 
 
 class _Record:
-    """What one formulation did."""
+    """Results of one formulation."""
 
     def __init__(self) -> None:
         self.status: Counter[str] = Counter()

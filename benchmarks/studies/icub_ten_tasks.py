@@ -36,7 +36,7 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
         feasible += possible
         for name, formulation in solvers.items():
             if number == 0:
-                formulation.solve(problem)  # kernels are loaded outside the timing
+                formulation.solve(problem)  # workspaces are made outside the timing
             begin = thread_time()
             solution = formulation.solve(problem)
             times[name].append(1e3 * (thread_time() - begin))

@@ -1,4 +1,4 @@
-"""Random problems with active bounds: how far is a formulation from a hard cascade?"""
+"""Random problems with active bounds: difference of a formulation from a hard cascade."""
 
 from __future__ import annotations
 

@@ -75,6 +75,7 @@ def table(result: dict[str, Any]) -> str:
     return (
         "Five phases of `priority_switching` as in `phases`, and an end effector whose target is "
         "0.58 m out of reach from the start on (8 s, end_effector > elbow > posture), with "
-        "`velocity_damping` kd. With `second_order` every level adds (x + kd v)^T S (x + kd v), "
-        "kd the damping of its tasks.\n\n" + markdown_table(head, lines)
+        "`velocity_damping` kd, a quarter of it in force with `second_order`. That adds "
+        "(x + kd v)^T S (x + kd v) to every level, kd the damping of its tasks.\n\n"
+        + markdown_table(head, lines)
     )

@@ -1,4 +1,4 @@
-"""iCub standing on both feet: the center of mass is moved, by little and by much."""
+"""iCub standing on both feet: small and large shifts of the center of mass."""
 
 from __future__ import annotations
 

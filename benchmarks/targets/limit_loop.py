@@ -1,4 +1,4 @@
-"""Conflicting tasks of an arm, or of the arms of a standing humanoid, that change all the time."""
+"""Conflicting, constantly changing tasks of an arm or of the arms of a standing humanoid."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def _change_priorities(
 
 
 def _random_priorities(loop: Loop, rng: np.random.Generator, count: int) -> Array:
-    """Orders alone where a robot has to stand: any other matrix only weights what keeps it up."""
+    """Strict orders only for a standing robot: other matrices would weight its balance."""
     if not loop.standing:
         return random_matrix(rng, count)[0]
     some = rng.permutation(count)[: int(rng.integers(1, count + 1))]

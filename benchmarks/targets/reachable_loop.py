@@ -14,25 +14,36 @@ from ghc_controller.types import Array
 from ghc_sim_bridge import Simulator
 
 DT = 1e-3  # [s]
-_PLAN = 10  # steps between plans
+PLAN = 10  # steps between plans
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A robot, its scene and the task that has a stream."""
+    """A robot, its scene and the task that has a stream.
+
+    In closed loop a posture task below it gets the posture of the reference. Other tasks are left
+    out: what they want is not what the stream asks for.
+    """
 
     robot: str | Path
     scene: str | Path
     task: str
+    posture: str = "posture"
+
+    @property
+    def hierarchy(self) -> str:
+        """Order in closed loop."""
+        return f"{self.task} > {self.posture}"
 
 
 class Feeder:
-    """Hands samples to a reference when they arrive."""
+    """Passes samples to a reference when they arrive."""
 
     def __init__(
         self, case: Case, channel: Channel, curve: Curve, end: float, seed: int, stamped: bool
     ) -> None:
-        self.reference = ReachableReference(ghc.load_robot(case.robot), [case.task])
+        robot = ghc.load_robot(case.robot)
+        self.reference = ReachableReference(robot, [case.task], posture=case.posture)
         self._task, self._stamped = case.task, stamped
         self._samples = channel.samples(curve, end, seed)
         self._next = 0
@@ -55,8 +66,8 @@ def run_reference(
     """(T, 3, n) q, v, a of the reference at every ms, and what fed it; stamped samples."""
     feeder = Feeder(case, channel, curve, end, seed, True)
     rows: list[Array] = []
-    for k in range(round(end / DT / _PLAN)):
-        now = k * _PLAN * DT
+    for k in range(round(end / DT / PLAN)):
+        now = k * PLAN * DT
         feeder.until(now)
         feeder.reference.plan(ghc.RobotState(now, q, np.zeros(len(q))))
         if feeder.reference.has_begun:
@@ -87,7 +98,8 @@ def run_loop(
     stamped: bool = True,
 ) -> LoopRun:
     """Run the controller with default settings in the simulator."""
-    controller = ghc.Controller.for_robot(case.robot, ghc.Settings(formulation=formulation))
+    settings = ghc.Settings(formulation=formulation, hierarchy=case.hierarchy)
+    controller = ghc.Controller.for_robot(case.robot, settings)
     simulator = Simulator(case.scene, control_dt=DT, joint_names=controller.model.joint_names)
     controller.start(simulator.state())
     feeder = Feeder(case, channel, curve, end, seed, stamped)
@@ -96,7 +108,7 @@ def run_loop(
     for k in range(round(end / DT)):
         state = simulator.state()
         feeder.until(state.time)
-        if k % _PLAN == 0:
+        if k % PLAN == 0:
             for reference in feeder.reference.plan(state):
                 controller.add_reference(reference)
         torque = controller.step(state).torque

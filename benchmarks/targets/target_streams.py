@@ -9,7 +9,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import ghc_controller as ghc
-from ghc_controller.reachable import JointLimitsOfMotion
+from ghc_controller.reachable import JointLimitsOfMotion, ReachableSettings
+from ghc_controller.reachable.target_stream import CONFIRMATIONS
 from ghc_controller.types import Array, TaskTarget
 
 Curve = Callable[[float], Array]  # time [s] -> position (3,) [m]
@@ -75,11 +76,48 @@ class RandomStream:
     def __call__(self, time: float) -> Array:
         """Position (3,) at a time [s]."""
         now = min(max(time, START), self.stands_from)
-        index = int(np.searchsorted(self.jumps, now, side="right")) - 1
-        since = now - self.jumps[index]
+        return self.about(int(np.searchsorted(self.jumps, now, side="right")) - 1, now)
+
+    def about(self, index: int, time: float) -> Array:
+        """Position (3,) at a time [s] on the circle about one of its points."""
+        since = time - self.jumps[index]
         angle = _SPEED / _RADIUS * (since - 0.5 * (1.0 - np.exp(-since / 0.5)))
         circle = np.array([np.cos(angle) - 1.0, np.sin(angle), 0.0])
         return self.centers[index] + _RADIUS * circle
+
+
+@dataclass(frozen=True, slots=True)
+class Conveyed:
+    """What the samples of a random stream ask for, in continuous time.
+
+    Until the first sample after a jump has come nothing tells of it: the circle before goes on.
+    """
+
+    stream: RandomStream
+    known: tuple[float, ...]  # [s] when each jump was
+
+    @classmethod
+    def by(
+        cls, stream: RandomStream, samples: list[tuple[float, float, Array]], grid: float
+    ) -> Conveyed:
+        """By samples (arrival, stamp, position) for a twin with a sample every `grid` [s].
+
+        A jump beyond `largest_jump` counts once two more samples agree; the twin has them sooner.
+        """
+        known = []
+        for k, jump in enumerate(stream.jumps):
+            arrivals = [arrival for arrival, stamp, _ in samples if stamp >= jump]
+            way = stream.about(k, jump) - stream.about(max(k - 1, 0), jump)
+            far = float(np.linalg.norm(way)) > ReachableSettings().largest_jump
+            waits = CONFIRMATIONS if far else 0
+            known.append(grid * (np.ceil(arrivals[waits] / grid - 1e-6) - waits))
+        return cls(stream, tuple(known))
+
+    def __call__(self, time: float) -> Array:
+        """Position (3,) at a time [s]."""
+        now = min(max(time, self.known[0]), self.stream.stands_from)
+        index = int(np.searchsorted(self.known, now + 1e-6, side="right")) - 1
+        return self.stream.about(index, now)
 
 
 def teleoperation_curve(center: Array) -> Curve:

@@ -5,7 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 NAVIGATION: dict[str, list[str]] = {
-    "Start": ["first_steps", "running", "display", "robots", "troubleshooting", "glossary"],
+    "Start": [
+        "first_steps",
+        "running",
+        "tuning",
+        "display",
+        "robots",
+        "troubleshooting",
+        "mistakes",
+        "glossary",
+    ],
     "Tutorials": [
         "tutorials/arm",
         "tutorials/priorities",
@@ -24,6 +33,7 @@ NAVIGATION: dict[str, list[str]] = {
         "architecture",
         "guarantees",
         "limits",
+        "body_distances",
     ],
     "Reference": [
         "api/controller",
@@ -33,6 +43,7 @@ NAVIGATION: dict[str, list[str]] = {
         "reachable_targets",
         "plugins",
         "migration",
+        "references",
     ],
     "Results": [
         "comparison",

@@ -44,7 +44,6 @@ def test_the_short_way_is_the_long_way() -> None:
     found = _torques(short, simulator)
 
     long = ghc.Controller.for_robot("kuka_lwr")
-    long.warm_up()
     simulator.reset()
     long.observe(simulator.state())
     task = long.references.task("elbow")

@@ -190,9 +190,8 @@ def test_contact_kinds_are_chosen_by_name(monkeypatch: pytest.MonkeyPatch) -> No
     smooth = make_contact(Fields(entry | {"kind": "smooth"}, "robot.yaml"), model)
     assert type(smooth) is Smooth
     assert smooth.motion_rows == 1
-    with pytest.raises(
-        ConfigurationError, match="'rough' given; known: point, rigid, sliding, smooth, surface"
-    ):
+    known = "point, rigid, rolling, sliding, smooth, surface"
+    with pytest.raises(ConfigurationError, match=f"'rough' given; known: {known}"):
         make_contact(Fields(entry | {"kind": "rough"}, "robot.yaml"), model)
 
 
@@ -209,9 +208,7 @@ def test_a_further_constraint_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     further = make_constraints(robot, ghc.Settings(constraints=("half_torque",))).constraints
     assert "half_torque" not in names
     assert [c.name for c in further] == [*names, "half_torque"]
-    with pytest.raises(
-        UnknownName, match=r"unknown constraint 'wall'; known: cartesian_wall, frame_speed, half"
-    ):
+    with pytest.raises(UnknownName, match=r"unknown constraint 'wall'; known: .*, half_torque, "):
         make_constraints(robot, ghc.Settings(constraints=("wall",)))
 
 

@@ -17,6 +17,7 @@ from ghc_controller.formulations import FORMULATIONS, Metric, make_formulation
 from ghc_controller.robot.library import find_robot
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.schema.declared import Entry, flat, flat_values
+from ghc_controller.schema.domains import Range
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 from ghc_controller.settings import Settings
@@ -33,7 +34,9 @@ def other(entry: Entry) -> Any:
     if isinstance(entry.default, int):
         return entry.default + 1
     if isinstance(entry.default, float):
-        return abs(entry.default) * 2.0 + 0.5
+        larger = abs(entry.default) * 2.0 + 0.5
+        domain = entry.declaration.domain or Range()
+        return entry.default / 2.0 if domain.problem(larger) else larger
     if isinstance(entry.default, tuple):
         return ["torque_limit"]
     return "hqp" if entry.name == "formulation" else "proxqp"

@@ -12,7 +12,9 @@ from typing import Any
 import pytest
 
 from benchmarks.studies import load_studies
+from benchmarks.studies.bodies import GOAL_BELOW, GOAL_RATIO
 from benchmarks.studies.phases import BASELINE, RATIO_GOALS
+from benchmarks.studies.targets.teleoperation import LARGEST_ERROR, LARGEST_STEP
 from ghc_controller.formulations import DEFAULT_FORMULATION
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(7200)]
@@ -179,3 +181,40 @@ def test_conflicting_targets_come_to_rest(
     for arm in _run(measured, "conflicts").values():
         assert arm["diverged"] == 0
         assert arm[quantity]["max"] <= limit
+
+
+@pytest.mark.parametrize("robot", ["two_arms", "icub"])
+def test_bodies_keep_their_margins(measured: dict[str, Found], robot: str) -> None:
+    """60 s of random targets, judged by coal; a margin raised at once, raw and smoothed."""
+    found = _run(measured, "bodies")[robot]
+    for run in found["targets"].values():
+        assert run["below_margin_m"] <= GOAL_BELOW
+        assert run["active_share"] > 0.1
+    assert found["free"]["below_margin_m"] > 10.0 * GOAL_BELOW
+    assert min(run["ratio"] for run in found["contacts"].values()) >= GOAL_RATIO
+
+
+def _teleoperation(measured: dict[str, Found], stamps: str, rate: float) -> list[Found]:
+    """Runs of all seeds."""
+    runs: list[Found] = _run(measured, "teleoperation")["runs"]
+    return [run for run in runs if run["stamps"] == stamps and run["rate"] == rate]
+
+
+@pytest.mark.parametrize("rate", sorted(LARGEST_ERROR))
+@pytest.mark.parametrize("stamps", ["sender", "arrival"])
+def test_an_operator_is_followed_closely(
+    measured: dict[str, Found], stamps: str, rate: float
+) -> None:
+    """Mean error against the operator's curve at the same time [m]."""
+    for run in _teleoperation(measured, stamps, rate):
+        assert run["mean"] <= LARGEST_ERROR[rate]
+
+
+@pytest.mark.parametrize("rate", sorted(LARGEST_ERROR))
+@pytest.mark.parametrize("stamps", ["sender", "arrival"])
+def test_an_operator_is_followed_smoothly(
+    measured: dict[str, Found], stamps: str, rate: float
+) -> None:
+    """Torque step [Nm per ms]."""
+    for run in _teleoperation(measured, stamps, rate):
+        assert run["step"] <= LARGEST_STEP

@@ -29,6 +29,7 @@ from ghc_controller.ros.wire.epochs import EPOCH_TOPIC
 
 ROBOT = "kuka_lwr"
 DEADLINE = 90.0  # [s] wall
+EXIT = 60.0  # [s] wall, for a node that ends by itself soon after its start
 
 
 class GravityModel:
@@ -110,6 +111,14 @@ class BridgeClient:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.02)
+
+    def alone(self) -> None:
+        """Listen until no state has come for half a second: what a bridge sent before its end."""
+        quiet = 0
+        while quiet < 10:
+            self.states.clear()
+            self.spin(0.05)
+            quiet = 0 if self.states else quiet + 1
 
     def next_state(self) -> JointState:
         """The next joint state that arrives."""

@@ -1,6 +1,6 @@
 """A robot behind ros2_control as a process: the doubles around the simulator, by the wall clock.
 
-`effort_robot.py --log FILE [--rate HZ] [--watchdog SECONDS] [--joints a,b,...]`
+`effort_robot.py --log FILE [--rate HZ] [--watchdog SECONDS] [--joints a,b,...] [--no-effort]`
 
 Publishes joint_states, subscribes /effort_controller/commands and, with a watchdog,
 joint_commands: the only topic that says which state a torque answers. The hardware keeps its
@@ -48,7 +48,8 @@ class EffortRobot:
         self._effort = JointGroupEffortController(
             options.joints.split(",") if options.joints else names, self._interfaces
         )
-        self._broadcaster = JointStateBroadcaster(names)
+        self._broadcaster = JointStateBroadcaster(names, options.frame)
+        self._fields = ("position", "velocity", "" if options.no_effort else "effort")
         self._watchdog = Watchdog(round(options.watchdog * 1e9)) if options.watchdog else None
         self._pacer = Pacer(self._period, time.monotonic())
         self._rows: list[tuple[float, ...]] = []
@@ -81,9 +82,8 @@ class EffortRobot:
             return
         state, now_ns = self._simulator.state(), time.time_ns()
         values = zip(state.q, state.v, self._simulator.torque, strict=True)
-        fields = ("position", "velocity", "effort")
         interfaces = {
-            name: dict(zip(fields, map(float, three), strict=True))
+            name: dict(zip(self._fields, map(float, three), strict=True))
             for name, three in zip(self._simulator.joint_names, values, strict=True)
         }
         self._states.publish(self._broadcaster.message(now_ns, interfaces))
@@ -119,6 +119,8 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=200.0, help="[Hz]")
     parser.add_argument("--watchdog", type=float, default=0.0, help="[s], 0 = none")
     parser.add_argument("--joints", default="", help="order of the effort controller")
+    parser.add_argument("--no-effort", action="store_true", help="no effort state interface")
+    parser.add_argument("--frame", default="", help="frame_id of the joint states")
     options = parser.parse_args()
     stopped: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -83,7 +83,7 @@ class JointGroupEffortController:
         Without a command yet the interfaces stay as they are ([F] 137-141). A wrong size writes
         nothing and is an error ([F] 143-150), for which the manager deactivates the controller
         ([M]). Else entry i goes to joint i of the parameter ([F] 152-163), in every cycle anew:
-        the last command is held for ever, whoever sent it, and nothing tells how old it is.
+        the last command is held indefinitely, whoever sent it, and nothing tells how old it is.
         """
         if not self.active or self._buffer is None:
             return
@@ -97,18 +97,23 @@ class JointGroupEffortController:
 class JointStateBroadcaster:
     """joint_state_broadcaster/JointStateBroadcaster, from state interfaces to joint_states."""
 
-    def __init__(self, joints: Sequence[str]) -> None:
-        """Names come in the order of an unordered_map ([B] 259-271): here in a fixed odd one."""
+    def __init__(self, joints: Sequence[str], frame_id: str = "") -> None:
+        """Names come in the order of an unordered_map ([B] 259-271): here in a fixed odd one.
+
+        `frame_id` is a parameter since 5.1.0 of the package, and was empty before.
+        """
+        self._frame_id = frame_id
         self.names = sorted(joints, key=lambda name: (sum(name.encode()) * 5) % 7)
 
     def message(self, stamp_ns: int, interfaces: Mapping[str, Mapping[str, float]]) -> JointState:
         """The message of one cycle: joint -> {position, velocity, effort} -> value.
 
         The stamp is the time that the manager gives ([B] 368), its clock when the cycle begins
-        ([L] 121-123); frame_id is never set; an interface that the hardware does not have is NaN
+        ([L] 121-123); an interface that the hardware does not have is NaN
         in all three arrays ([B] 302-305, 341-344), not an empty array.
         """
         message = JointState(name=self.names)
+        message.header.frame_id = self._frame_id
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, 1_000_000_000)
         for field in ("position", "velocity", "effort"):
             values = [interfaces[name].get(field, NAN) for name in self.names]

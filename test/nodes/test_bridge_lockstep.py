@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bridge_client import ROBOT, BridgeClient, GravityModel, answer
+from bridge_client import DEADLINE, EXIT, ROBOT, BridgeClient, GravityModel, answer
 from geometry_msgs.msg import WrenchStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -18,6 +18,7 @@ from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
 
 PLANE_SCENE = "kuka_lwr_plane"
+TIMEOUT = 3.0  # [s] wall, of a bridge without an answer; this client answers sooner
 StartBridge = Callable[..., Any]
 
 
@@ -26,7 +27,8 @@ def start_bridge(start_node: Callable[..., Any]) -> StartBridge:
     """Start the bridge with parameters given by keyword; its rate limit is off by default."""
 
     def start(**parameters: object) -> Any:
-        values = {"scene": ROBOT, "torque_rate_limit": 0.0} | parameters
+        values = {"scene": ROBOT, "torque_rate_limit": 0.0, "lockstep_timeout": DEADLINE}
+        values |= parameters
         arguments = [f"{name}:={value}" for name, value in values.items()]
         pairs = [part for argument in arguments for part in ("-p", argument)]
         return start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", *pairs)
@@ -46,8 +48,9 @@ def _stamp(state: JointState) -> int:
     return nanoseconds_from_time(state.header.stamp)
 
 
-def _walk(client: BridgeClient, steps: int) -> list[JointState]:
-    model = GravityModel()
+def _walk(client: BridgeClient, steps: int, model: GravityModel | None = None) -> list[JointState]:
+    """Swing the arm; with its model made before, no state waits for that."""
+    model = model or GravityModel()
     states = [client.connected_state()]
     for _ in range(steps):
         states.append(client.step(states[-1], model.swing(states[-1])))
@@ -60,6 +63,7 @@ def test_two_runs_give_the_same_trajectory(
     logs = []
     for run in range(2):
         file = tmp_path / f"log_{run}.npz"
+        client.alone()
         bridge = start_bridge(log_file=file, stop_time=0.2)
         states = _walk(client, 200)
         assert [_stamp(state) for state in states] == [k * 1_000_000 for k in range(201)]
@@ -103,8 +107,9 @@ def test_no_step_without_its_command_and_a_lost_answer_is_asked_for_again(
     assert _stamp(client.next_state()) == 0
     moved = client.step(state, state.effort)
     assert _stamp(moved) == 1_000_000
-    client.commands.publish(answer(state, state.effort))
-    client.counted("answered_before", 1)
+    again = answer(state, state.effort)
+    client.commands.publish(again)
+    client.counted("answered_before", 1, again=lambda: client.commands.publish(again))
     assert _stamp(client.next_state()) == 1_000_000, "a repeated answer does not step again"
 
 
@@ -154,7 +159,7 @@ def test_contacts_can_be_left_out(start_bridge: StartBridge, client: BridgeClien
 @pytest.mark.parametrize("executor", ["events", "single"])
 def test_missing_controller_is_a_clear_error(start_bridge: StartBridge, executor: str) -> None:
     bridge = start_bridge(lockstep_timeout=0.5, executor=executor)
-    assert bridge.wait(20.0) == 1
+    assert bridge.wait(EXIT) == 1
     line = bridge.output.strip().splitlines()[-1]
     assert "Traceback" not in bridge.output
     assert line.startswith(
@@ -166,16 +171,17 @@ def test_missing_controller_is_a_clear_error(start_bridge: StartBridge, executor
 def test_controller_that_falls_silent_is_a_clear_error(
     start_bridge: StartBridge, client: BridgeClient
 ) -> None:
-    bridge = start_bridge(paused=True, lockstep_timeout=1.0)
+    bridge = start_bridge(paused=True, lockstep_timeout=TIMEOUT)
     client.connected_state()
+    model = GravityModel()
     client.pause(False)
-    state = _walk(client, 5)[-1]
+    state = _walk(client, 5, model)[-1]
     broken = answer(state, state.effort)
     broken.effort[2] = float("nan")
     client.commands.publish(broken)
-    assert bridge.wait(20.0) == 1
+    assert bridge.wait(EXIT) == 1
     assert "t = 0.005000 s" in bridge.output
-    assert "the last one was refused: effort: joint_3 is nan" in bridge.output
+    assert "the last one was rejected: effort: joint_3 is nan" in bridge.output
     assert "Traceback" not in bridge.output
 
 
@@ -223,13 +229,15 @@ def test_reset_goes_to_the_start_in_a_new_epoch(
     assert client.reset() == "epoch 1 from t = 2.000000 s on"
     start = 2_000_000_000
     client.until(lambda: _stamp(client.next_state()) == start, "the next run")
+    client.until(lambda: len(client.epochs) >= 2, "both epochs")
     assert [(epoch.number, epoch.start.sec) for epoch in client.epochs] == [(0, 0), (1, 2)]
     state = client.next_state()
     np.testing.assert_array_equal(state.position, states[0].position)
+    late = answer(states[-1], state.effort)  # of the run before
     for _ in range(10):
-        client.commands.publish(answer(states[-1], state.effort))  # late, of the run before
+        client.commands.publish(late)
         client.spin(0.02)
-    client.counted("answered_before", 1)
+    client.counted("answered_before", 1, again=lambda: client.commands.publish(late))
     assert _stamp(client.next_state()) == start
     assert _stamp(client.step(state, state.effort)) == start + 1_000_000
 
@@ -237,16 +245,16 @@ def test_reset_goes_to_the_start_in_a_new_epoch(
 def test_pause_stops_time_and_waits_for_ever(
     start_bridge: StartBridge, client: BridgeClient
 ) -> None:
-    bridge = start_bridge(paused=True, lockstep_timeout=0.5)
+    bridge = start_bridge(paused=True, lockstep_timeout=TIMEOUT)
     state = client.connected_state()
     client.commands.publish(answer(state, state.effort))
-    client.spin(1.0)
+    client.spin(TIMEOUT + 0.5)
     assert bridge.exit_code is None
     assert {_stamp(repeat) for repeat in client.states} == {0}
     assert client.pause(False) == "running at t = 0.000000 s"
     state = client.step(client.next_state(), state.effort)
     assert client.pause(True).startswith("paused")
-    client.spin(1.0)
+    client.spin(TIMEOUT + 0.5)
     assert bridge.exit_code is None
     assert _stamp(client.next_state()) == _stamp(state)
 
@@ -254,12 +262,13 @@ def test_pause_stops_time_and_waits_for_ever(
 def test_after_the_stop_time_the_last_state_stays_readable(
     start_bridge: StartBridge, client: BridgeClient
 ) -> None:
-    bridge = start_bridge(stop_time=0.005, paused=True, lockstep_timeout=1.0)
+    bridge = start_bridge(stop_time=0.005, paused=True, lockstep_timeout=TIMEOUT)
     client.connected_state()
+    model = GravityModel()
     client.pause(False)
-    last = _walk(client, 5)[-1]
+    last = _walk(client, 5, model)[-1]
     client.commands.publish(answer(last, last.effort))
-    client.spin(1.5)
+    client.spin(TIMEOUT + 0.5)
     assert _stamp(client.next_state()) == 5_000_000
     assert bridge.exit_code is None
     assert bridge.stop() == 0

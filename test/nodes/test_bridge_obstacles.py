@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridge_client import BridgeClient
+from bridge_client import DEADLINE, EXIT, BridgeClient
 from ghc_msgs.msg import ObstacleStateArray
 
 from ghc_controller.ros.time import nanoseconds_from_time
@@ -45,7 +45,8 @@ def arrays(client: BridgeClient) -> list[ObstacleStateArray]:
 def _start(start_node: Callable[..., Any], folder: Path, frame: str = "tool") -> Any:
     file = folder / "walled.yaml"
     file.write_text(SCENE.replace("FRAME", frame), encoding="utf-8")
-    return start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", f"scene:={file}")
+    scene = ("-p", f"scene:={file}", "-p", f"lockstep_timeout:={DEADLINE}")
+    return start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", *scene)
 
 
 def _stamps(arrays: list[ObstacleStateArray]) -> list[int]:
@@ -88,6 +89,6 @@ def test_an_unknown_frame_ends_the_bridge_with_the_known_ones(
     start_node: Callable[..., Any], tmp_path: Path
 ) -> None:
     bridge = _start(start_node, tmp_path, "hand")
-    assert bridge.wait(30.0) == 2
+    assert bridge.wait(EXIT) == 2
     assert "unknown frame 'hand'; known: " in bridge.output
     assert "tool" in bridge.output and "Traceback" not in bridge.output

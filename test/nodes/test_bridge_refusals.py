@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bridge_client import EXIT
 
 
 @pytest.mark.parametrize(
@@ -28,7 +29,7 @@ def test_bad_parameter(
 ) -> None:
     pairs = [part for parameter in parameters for part in ("-p", parameter)]
     bridge = start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", *pairs)
-    assert bridge.wait(20.0) == 2
+    assert bridge.wait(EXIT) == 2
     (line,) = bridge.output.strip().splitlines()
     assert line.startswith("sim_bridge: ")
     for word in words:
@@ -37,7 +38,7 @@ def test_bad_parameter(
 
 def test_malformed_ros_arguments(start_node: Callable[..., Any]) -> None:
     bridge = start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", "scene")
-    assert bridge.wait(20.0) == 2
+    assert bridge.wait(EXIT) == 2
     assert "Traceback" not in bridge.output
     assert "sim_bridge: " in bridge.output
 

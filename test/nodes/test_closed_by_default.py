@@ -12,23 +12,12 @@ from xml.etree import ElementTree
 
 import pytest
 
+from benchmarks.hosts.namespaces import UNSHARE, namespaces_work
 from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.this_host import PROFILE, stay_on_this_host
 
-UNSHARE = ["unshare", "--map-root-user", "--net", "--mount"]
 
-
-def namespaces_work() -> str:
-    """Why no namespaces can be made here; "" if they can."""
-    probe = "ip link add name here type veth peer name there && mount -t tmpfs tmpfs /dev/shm"
-    try:
-        run = subprocess.run([*UNSHARE, "sh", "-c", probe], capture_output=True, text=True)
-    except FileNotFoundError as error:
-        return str(error)
-    return run.stderr.strip() if run.returncode else ""
-
-
-def reports(folder: Path, choice: str) -> dict[str, dict[str, Any]]:
+def reports(folder: Path, choice: str, *options: str) -> dict[str, dict[str, Any]]:
     """What a stranger behind a cable and a friend on the same host saw of nodes."""
     reason = namespaces_work()
     if reason:
@@ -36,11 +25,11 @@ def reports(folder: Path, choice: str) -> dict[str, dict[str, Any]]:
     script = str(Path(__file__).with_name("two_namespaces.py"))
     path = os.pathsep.join(p or "." for p in sys.path)
     run = subprocess.run(
-        [*UNSHARE, sys.executable, script, str(folder)],
+        [*UNSHARE, sys.executable, script, str(folder), *options],
         env=os.environ | {"PYTHONPATH": path, "GHC_NETWORK": choice},
         capture_output=True,
         text=True,
-        timeout=120.0,
+        timeout=250.0,
     )
     assert run.returncode == 0, run.stderr
     answer: dict[str, dict[str, Any]] = json.loads(run.stdout)
@@ -59,7 +48,7 @@ def test_a_stranger_receives_nothing_and_moves_nothing(ros_domain_id: int, tmp_p
 
 def test_one_variable_opens_them(ros_domain_id: int, tmp_path: Path) -> None:
     """The same stranger reads and resets: the test above would have seen it."""
-    seen = reports(tmp_path, "network")
+    seen = reports(tmp_path, "network", "--patient")
     assert seen["stranger"]["states"] > 100
     assert seen["stranger"]["reset"]
 

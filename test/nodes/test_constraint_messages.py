@@ -113,7 +113,7 @@ def test_force_bounds_round_trip() -> None:
     with pytest.raises(GhcError, match=r"upper: size 61 given, 2 \* 31 expected"):
         preview_from_message(message, 0.0)
     message.upper = [*message.upper, float("nan")]
-    with pytest.raises(GhcError, match="upper: finite numbers expected"):
+    with pytest.raises(GhcError, match="upper: nan given, finite numbers expected"):
         preview_from_message(message, 0.0)
     message.status = []
     with pytest.raises(GhcError, match="status: size 0 given, 2 expected"):

@@ -1,4 +1,4 @@
-"""The controller as a process: every state answered, every bad request refused with a reason."""
+"""The controller as a process: every state answered, every bad request rejected with a reason."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from ghc_msgs.msg import (
     TaskReferenceStatus,
     TransitionStatus,
 )
+from rclpy.duration import Duration as Wait
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
@@ -95,7 +96,9 @@ class Robot:
 
     def announce(self, number: int, start: float) -> None:
         """A run begins at `start` [s]; the controller has heard so a while later."""
+        self.until(lambda: self._epochs.get_subscription_count() > 0)
         self._epochs.publish(Epoch(number=number, start=time_from_seconds(start)))
+        assert self._epochs.wait_for_all_acked(Wait(seconds=DEADLINE))
         self.spin(0.2)
 
     def spin(self, seconds: float) -> None:
@@ -107,6 +110,7 @@ class Robot:
     def send(self, **fields: Any) -> None:
         """Send a transition; its status is not waited for."""
         self._transitions.publish(PriorityTransition(**fields))
+        assert self._transitions.wait_for_all_acked(Wait(seconds=DEADLINE))
         self.spin(0.2)
 
     def answer(self, **changes: Any) -> JointState:
@@ -136,7 +140,7 @@ class Robot:
         self.until(
             lambda: len(self.statuses) > count,
             lambda: self._transitions.publish(request),
-            every=3.0,
+            every=20.0,
         )
         return self.statuses[count:]
 
@@ -219,7 +223,7 @@ def test_bad_transitions_are_refused_and_the_loop_goes_on(robot: Robot) -> None:
     indirect=True,
 )
 def test_formulations_of_strict_orders_reject_any_other_matrix(robot: Robot) -> None:
-    """REJECTED with the reason; an order is accepted, runs, and is in force."""
+    """REJECTED with the reason; an order is accepted, runs, and is active."""
     between = [0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0]
     (status,) = robot.ask(id="half", tasks=["end_effector", "elbow", "posture"], alpha=between)
     assert status.status == TransitionStatus.REJECTED
@@ -277,9 +281,11 @@ def test_transition_by_stamp_runs_and_reports(robot: Robot) -> None:
     robot.until(lambda: robot.statuses[-1].status == TransitionStatus.DONE, robot.publish)
     seen = [(status.status, _seconds(status.header.stamp)) for status in robot.statuses]
     assert seen[1:] == [(TransitionStatus.ACTIVE, 0.01), (TransitionStatus.DONE, 0.03)]
-    halfway = [s for s in robot.states if _seconds(s.header.stamp) == 0.02]
-    assert halfway
-    assert np.isclose(halfway[0].alpha[1], 0.5, atol=1e-9)
+    ramp = [s for s in robot.states if 0.01 <= _seconds(s.header.stamp) <= 0.03]
+    assert len(ramp) > 3  # of 21: a report may be lost
+    for report in ramp:
+        progress = (_seconds(report.header.stamp) - 0.01) / 0.02
+        assert np.isclose(report.alpha[1], 0.5 - 0.5 * np.cos(np.pi * progress), atol=1e-9)
 
 
 def test_repeat_of_the_target_changes_nothing(robot: Robot) -> None:
@@ -328,17 +334,11 @@ def test_bad_states_are_not_answered(robot: Robot) -> None:
     """A malformed state is dropped and counted by field; the next good one is answered."""
     for field, value, counter in BAD_STATES:
         robot.step()
-        before = robot.count(f"rejected_{counter}")
-        robot.time = round(robot.time + STEP, 9)
-        bad_ns = nanoseconds_from_time(time_from_seconds(robot.time))
-        for _ in range(3):
-            robot.publish(**{field: value})
-            time.sleep(0.02)  # the queue holds one state: a later one would replace it
-        robot.time = round(robot.time + STEP, 9)
-        robot.answer()
-        assert bad_ns not in {nanoseconds_from_time(c.header.stamp) for c in robot.commands}
         name = f"rejected_{counter}"
-        robot.until(partial(_more, robot, name, before), robot.step)
+        more = partial(_more, robot, name, robot.count(name))
+        bad_ns: set[int] = set()
+        robot.until(more, partial(_bad_and_good, robot, {field: value}, bad_ns))
+        assert bad_ns.isdisjoint(nanoseconds_from_time(c.header.stamp) for c in robot.commands)
 
 
 def test_repeated_state_same_command(robot: Robot) -> None:
@@ -359,7 +359,7 @@ def test_repeated_state_same_command(robot: Robot) -> None:
 
 
 def test_a_new_run_starts_afresh(robot: Robot) -> None:
-    """After a reset transitions of the past are gone, and what is stamped in it is refused."""
+    """After a reset transitions of the past are gone, and what is stamped in it is rejected."""
     robot.announce(0, 0.0)
     robot.time = 5.0
     robot.answer()
@@ -384,7 +384,7 @@ def test_a_new_run_starts_afresh(robot: Robot) -> None:
 
 
 def test_references(robot: Robot) -> None:
-    """A good reference moves the target; bad ones are refused and counted."""
+    """A good reference moves the target; bad ones are rejected and counted."""
     robot.step()
     good = TaskReference(task="end_effector")
     good.points = [TaskReferencePoint(position=[0.4, 0.1, 0.5])]
@@ -495,11 +495,21 @@ def test_bad_parameters_end_with_one_line(start_node: Callable[..., Any]) -> Non
     """One clear line on stderr, exit code 2, no traceback."""
     for arguments, words in BAD_PARAMETERS:
         node = start_node("ghc_controller", "controller", "--ros-args", *shlex.split(arguments))
-        assert node.wait(30.0) == 2
+        assert node.wait(DEADLINE) == 2
         assert "Traceback" not in node.output
         assert len(node.output.strip().splitlines()) == 1
         for word in words:
             assert word in node.output
+
+
+def _bad_and_good(robot: Robot, bad: dict[str, Any], stamps: set[int]) -> None:
+    """Bad states of one stamp [ns], and later a good one, whose report has the counts."""
+    robot.time = round(robot.time + STEP, 9)
+    stamps.add(nanoseconds_from_time(time_from_seconds(robot.time)))
+    for _ in range(3):
+        robot.publish(**bad)
+        time.sleep(0.02)  # the queue holds one state: a later one would replace it
+    robot.step()
 
 
 def _more(robot: Robot, name: str, than: int) -> bool:

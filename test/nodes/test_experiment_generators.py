@@ -16,7 +16,7 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scenario.scenario import find_scenario
 from ghc_sim_bridge.scene.description import find_scene
 
-pytestmark = pytest.mark.timeout(400)
+pytestmark = pytest.mark.timeout(700)
 
 JUMP, GONE, DURATION = 0.3, 0.8, 1.2  # [s]
 
@@ -48,7 +48,7 @@ def _written(folder: Path, scenario: dict[str, Any]) -> Path:
 def _run(start_node: Callable[..., Any], folder: Path, file: Path, *options: str) -> Any:
     output = ("--output", folder / "results")
     node = start_node("ghc_sim_bridge", "experiment", "--scenario", file, *output, *options)
-    node.wait(150.0)
+    node.wait(300.0)
     return node
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from ghc_msgs.msg import ConstraintPreviews, Epoch, ObstacleState, ObstacleState
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from benchmarks.faults.session import Session
+from benchmarks.faults.session import PATIENCE, Session
 from ghc_controller.ros.qos import PREVIEW_QOS
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 
@@ -31,16 +32,29 @@ class World:
         )
         self.now = 1.0  # [s]
 
-    def run(self, seconds: float) -> list[ConstraintPreviews]:
-        """Go on in real time; the plans that came meanwhile."""
+    def until(self, condition: Callable[[], Any]) -> None:
+        """Go on in real time until something is so."""
         self.plans.clear()
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < end, self.session.output("obstacle_bounds")
             self.now = round(self.now + 0.01, 9)
             self.session.obstacles.publish(self.array(time_from_seconds(self.now)))
             self.session.ticks.publish(Tick(start=time_from_seconds(self.now)))
             self.session.spin(0.01)
-        return list(self.plans)
+
+    @property
+    def planned(self) -> list[str]:
+        """Obstacles in the newest plan."""
+        return [entry.id for plan in self.plans[-1:] for entry in plan.previews[0].motions]
+
+    def goes_on(self) -> bool:
+        """Plans come for the present time, with the obstacle in them."""
+        return (
+            len(self.plans) > 20
+            and _newest(self.plans) > self.now - 0.5
+            and self.planned == ["ball_0"]
+        )
 
     def array(self, stamp: Time, obstacles: int = 1) -> ObstacleStateArray:
         """What a sensor sends."""
@@ -65,9 +79,7 @@ def world(tmp_path: Path) -> Any:
     with Session(tmp_path) as session:
         session.start("obstacle_bounds", take_over_timeout=0.0)
         world = World(session)
-        end = time.monotonic() + 60.0
-        while not (world.run(0.3) and world.plans[-1].previews[0].motions):
-            assert time.monotonic() < end, session.output("obstacle_bounds")
+        world.until(lambda: world.planned)
         yield world
 
 
@@ -83,10 +95,7 @@ def test_forged_stamps(world: World, stamp: Time) -> None:
     session.ticks.publish(Tick(start=stamp, epoch=999_999))
     session.epochs.publish(Epoch(start=stamp, number=999_999))
     session.obstacles.publish(world.array(stamp, obstacles=0))
-    plans = world.run(1.0)
-    assert len(plans) > 20
-    assert _newest(plans) > world.now - 0.5
-    assert [entry.id for entry in plans[-1].previews[0].motions] == ["ball_0"]
+    world.until(world.goes_on)
     assert session.processes["obstacle_bounds"].exit_code is None
 
 
@@ -95,5 +104,5 @@ def test_bytes_that_are_no_message(world: World) -> None:
         for _ in range(5):
             publisher.publish(b"\x00\x01\x00\x00")
             world.session.spin(0.02)
-    assert len(world.run(1.0)) > 20
+    world.until(world.goes_on)
     assert world.session.processes["obstacle_bounds"].exit_code is None

@@ -101,7 +101,7 @@ def test_a_killed_generator_leaves_a_safe_bound_and_a_new_one_goes_on_from_it(
     client = Client(ros_context)
     client.schedule([0.0], [HIGH])
     client.until(lambda: bool(client.bounds) and client.bounds[-1][1] == HIGH)
-    drop = client.bounds[-1][0] + 2.0
+    drop = client.bounds[-1][0] + 2.0 * HORIZON  # known long before
     client.schedule([0.0, drop], [HIGH, LOW])
     client.until(lambda: client.bounds[-1][1] < HIGH - 5.0)
     killed_at = client.bounds[-1][0]

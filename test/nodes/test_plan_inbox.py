@@ -32,7 +32,7 @@ def _plan(start_ms: int, epoch: int, *contacts: str) -> ConstraintPreviews:
 
 
 class Bounds:
-    """Stands in for the bounds in force of a robot that has a foot, and remembers the plans."""
+    """Stands in for the current bounds of a robot that has a foot, and remembers the plans."""
 
     def __init__(self) -> None:
         self.followed: list[float] = []  # [s] starts
@@ -130,3 +130,33 @@ def test_one_generator_plans_for_a_kind_until_it_is_silent() -> None:
     inbox.take(message)
     inbox.hand_over(0, 200 * MS)
     assert followed[-1] == 0.2
+
+
+def test_a_second_generator_of_a_kind_does_not_displace_the_first() -> None:
+    """Previews of both come before each state, the second one's last."""
+    said: list[tuple[str, str]] = []
+    inbox, followed = _inbox(lambda *words: said.append(words))
+    inbox.take(_plan(0, 0))
+    inbox.hand_over(0, 0)
+    for tick in range(1, 30):
+        for name in ("", "second", "second", "second"):
+            message = _plan(10 * tick, 0)
+            message.previews[0].name = name
+            inbox.take(message)
+        inbox.hand_over(0, 10 * tick * MS)
+    assert len(followed) == 30
+    assert len(said) == 29
+
+
+def test_a_constraint_of_another_package_that_raises_costs_no_state() -> None:
+    said: list[tuple[str, str]] = []
+
+    def follow(*_: object) -> tuple[UnknownName, ...]:
+        raise KeyError("its own mistake")
+
+    controller: Any = SimpleNamespace(follow=follow, preview_kinds=("contact_forces",))
+    inbox = PreviewInbox(controller, lambda *_: None, lambda *words: said.append(words))
+    inbox.take(_plan(0, 0))
+    inbox.hand_over(0, 0)
+    reason = "preview rejected, KeyError: 'its own mistake'"
+    assert said == [("constraints/preview/contact_forces", reason)]

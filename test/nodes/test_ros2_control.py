@@ -33,6 +33,10 @@ RATE = 200.0  # [Hz]
 CONTROLLER = ["--ros-args", "-p", "robot:=kuka_lwr", "-p", f"control_dt:={1.0 / RATE}"]
 BRAKED, HELD, COMMANDED = 2.0, 1.0, 0.0
 DEADLINE = 90.0  # [s] wall
+SLOW = 0.05  # [rad/s]
+NEAR = 0.01  # [m]
+SIMULATOR = Simulator("kuka_lwr")
+ORDER = SIMULATOR.joint_names
 
 
 class Operator:
@@ -71,6 +75,38 @@ class Operator:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.02)
+
+    @property
+    def q(self) -> np.ndarray:
+        """Positions of the newest state, in the order of the joints [rad]."""
+        state = self.states[-1]
+        return np.array([state.position[state.name.index(name)] for name in ORDER])
+
+    @property
+    def speed(self) -> float:
+        """Of the fastest joint in the newest state [rad/s]."""
+        return float(np.abs(self.states[-1].velocity).max())
+
+    def arrive(self, task: str) -> None:
+        """Listen until the frame of a task is near its target, and half a second longer."""
+        self.until(lambda: distance(task, self.q) < 0.5 * NEAR, f"{task} at its target")
+        self.spin(0.5)
+
+    def rest(self) -> None:
+        """Listen until no joint has been faster than SLOW for half a second."""
+        since = time.monotonic()
+
+        def rests() -> bool:
+            nonlocal since
+            since = since if self.speed < SLOW else time.monotonic()
+            return time.monotonic() > since + 0.5
+
+        self.until(rests, "an arm at rest")
+
+    def is_driven(self) -> bool:
+        """Whether the robot reports torques of one of the last commands."""
+        torque = sorted(self.states[-1].effort)
+        return any(sorted(command) == torque for command in self.mirrored[-50:])
 
     def wait_for_commands(self) -> None:
         """Listen until the mirror speaks and requests would be heard."""
@@ -132,9 +168,8 @@ def log_of(process: NodeProcess, folder: Path) -> dict[str, np.ndarray]:
 
 def distance(task: str, q: np.ndarray) -> float:
     """From the frame of a task to its target [m]."""
-    simulator = Simulator("kuka_lwr")
-    simulator.reset(q)
-    return float(np.linalg.norm(simulator.frame_position(FRAMES[task]) - TARGETS[task]))
+    SIMULATOR.reset(q)
+    return float(np.linalg.norm(SIMULATOR.frame_position(FRAMES[task]) - TARGETS[task]))
 
 
 def test_an_effort_controller_is_driven_through_holding_and_swaps(
@@ -143,33 +178,35 @@ def test_an_effort_controller_is_driven_through_holding_and_swaps(
     robot: Callable[..., NodeProcess],
     tmp_path: Path,
 ) -> None:
-    """States in an odd order of names and without frame_id, commands as a bare array."""
-    driver = robot("--watchdog", "0.1")
+    """States in an odd order of names, in a frame, and without effort: NaN, as upstream sends.
+    Commands as a bare array."""
+    driver = robot("--watchdog", "0.1", "--no-effort", "--frame", "base_link")
     start_node("ghc_controller", "controller", *CONTROLLER, "-p", "mirror_commands:=true")
     operator = Operator(ros_context)
     operator.wait_for_commands()
     names = list(operator.states[-1].name)
     assert names != sorted(names)
+    assert np.isnan(operator.states[-1].effort).all()
     operator.spin(1.0)
     asked = time.time()
     for task in TARGETS:
         operator.refer(task)
     operator.swap("elbow > end_effector > posture")
-    operator.spin(6.0)
+    operator.arrive("elbow")
     swapped = time.time()
     operator.swap("end_effector > elbow > posture")
-    operator.spin(6.0)
+    operator.arrive("end_effector")
 
     log = log_of(driver, tmp_path)
     before = log["time"] < asked
     driven = log["source"] == COMMANDED
     assert (log["source"][0], driven.any()) == (BRAKED, True)
-    assert np.abs(log["v"][before]).max() < 0.05  # holds where it is until it is asked
+    assert np.abs(log["v"][before]).max() < SLOW  # holds where it is until it is asked
     assert np.abs(log["q"][before] - log["q"][0]).max() < 0.01
     first = log["q"][np.searchsorted(log["time"], swapped) - 1]
-    assert distance("elbow", first) < 0.01
+    assert distance("elbow", first) < NEAR
     assert distance("end_effector", first) > 0.1
-    assert distance("end_effector", log["q"][-1]) < 0.01
+    assert distance("end_effector", log["q"][-1]) < NEAR
     assert distance("elbow", log["q"][-1]) > 0.1
     assert log["dropped"] == log["wrong_size"] == 0
 
@@ -187,24 +224,26 @@ def test_a_dead_controller_is_noticed_by_stamps_alone(
     operator = Operator(ros_context)
     operator.wait_for_commands()
     operator.refer("end_effector")
-    operator.spin(0.7)
+    operator.until(lambda: operator.speed > 2.0 * SLOW, "an arm in motion")
     controller.send(signal.SIGKILL)
     controller.wait()
-    killed = time.time()
-    operator.spin(2.0)
+    operator.spin(0.5)  # the watchdog takes 0.1 s of the robot's clock
+    operator.rest()
+    rested = time.time()
+    operator.spin(1.0)
     again = time.time()
     start_node("ghc_controller", "controller", *arguments)
     operator.wait_for_commands()
+    operator.until(operator.is_driven, "a robot that is driven")
     operator.spin(1.0)
 
     log = log_of(driver, tmp_path)
     now = log["time"]
-    moving = np.abs(log["v"][(now > killed - 0.2) & (now < killed)]).max()
-    quiet = (now > killed + 1.0) & (now < again)
-    assert (log["source"][quiet] == HELD).all()
-    assert np.abs(log["v"][quiet]).max() < min(0.05, 0.5 * moving)
-    assert log["source"][-1] == COMMANDED
-    assert np.abs(log["v"][now > again]).max() < 0.05  # a restart moves nothing by itself
+    quiet, after = (now > rested) & (now < again), now > again
+    assert quiet.any() and (log["source"][quiet] == HELD).all()
+    assert np.abs(log["v"][quiet]).max() < SLOW
+    assert (log["source"][after] == COMMANDED).any()
+    assert np.abs(log["v"][after]).max() < SLOW  # a restart moves nothing by itself
 
 
 def test_without_a_watchdog_the_last_torque_stays_for_ever(
@@ -222,14 +261,22 @@ def test_without_a_watchdog_the_last_torque_stays_for_ever(
     operator.wait_for_commands()
     controller.send(signal.SIGKILL)
     controller.wait()
-    operator.spin(0.3)
-    killed = time.time()
-    operator.spin(1.0)
-    operator.efforts.publish(Float64MultiArray(data=[0.0] * 6))  # one joint too few
-    operator.spin(1.0)
+    operator.spin(1.0)  # what was on its way arrives
+    killed, heard = time.time(), len(operator.states)
+    operator.until(lambda: len(operator.states) > heard + 100, "states without a controller")
+    wrong, due = time.time(), 0.0
+
+    def is_off() -> bool:
+        nonlocal due
+        if time.monotonic() > due:
+            due = time.monotonic() + 1.0
+            operator.efforts.publish(Float64MultiArray(data=[0.0] * 6))  # one joint too few
+        return not any(operator.states[-1].effort)
+
+    operator.until(is_off, "a robot without torque")
 
     log = log_of(driver, tmp_path)
-    after = log["torque"][(log["time"] > killed) & (log["time"] < killed + 0.9)]
+    after = log["torque"][(log["time"] > killed) & (log["time"] < wrong)]
     assert len(after) > 20
     assert (after == after[0]).all()
     assert np.abs(after[0]).max() > 1.0  # the weight of the arm, as it was

@@ -25,7 +25,10 @@ from ghc_controller.ros.wire.joint_state import (
     JointStateDecoder,
     JointStateEncoder,
     JointStateLayout,
+    JointStateValues,
 )
+from ghc_controller.ros.wire.joint_state_reader import JointStateReader
+from ghc_controller.types import RobotState
 from ghc_sim_bridge.bridge.state_cdr import OdometryEncoder, WrenchEncoder, encode_clock
 
 STAMPS = (0, 1, 999_999_999, 1_000_000_000, 12_345_678_901_234)  # [ns]
@@ -177,3 +180,28 @@ def test_truncated_odometry_and_wrenches_are_refused(cut: int) -> None:
         base_from_bytes(odometry[:cut])
     with pytest.raises(InvalidValue, match="no WrenchStamped"):
         wrench_from_bytes(WrenchEncoder("world").encode(0, np.zeros(6))[:cut])
+
+
+JOINTS = ("a", "b", "c")
+
+
+def _read(**changes: list[float]) -> RobotState:
+    """A state of three joints in another order, with some fields replaced."""
+    fields = {"position": [0.1, 0.2, 0.3], "velocity": [0.0] * 3, "effort": [1.0, 2.0, 3.0]}
+    arrays = (np.array(v) for v in (fields | changes).values())
+    values = JointStateValues(5_000_000, "", ("c", "a", "b"), *arrays)
+    return JointStateReader(JOINTS).read(values, 0, {})
+
+
+def test_an_effort_that_is_not_measured_is_nan_and_nothing_else_may_be() -> None:
+    """As joint_state_broadcaster says it of a joint without an effort interface."""
+    np.testing.assert_array_equal(_read(effort=[np.nan, 2.0, 3.0]).torque, [2.0, 3.0, np.nan])
+    assert _read(effort=[np.nan] * 3).torque is None
+    assert _read(effort=[]).torque is None
+    with pytest.raises(InvalidValue, match="effort: infinite at joint 'b'"):
+        _read(effort=[np.nan, 0.0, np.inf])
+    for field in ("position", "velocity"):
+        with pytest.raises(InvalidValue, match=f"{field}: not a finite number at joint 'a'"):
+            _read(**{field: [0.0, np.nan, 0.0]})
+    with pytest.raises(InvalidValue, match="effort: 2 entries given, 3 expected"):
+        _read(effort=[np.nan, np.nan])

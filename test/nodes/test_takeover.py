@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import signal
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from bridge_client import BridgeClient
 from ghc_msgs.msg import PriorityTransition, TransitionStatus
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
-from sensor_msgs.msg import JointState
 
 from ghc_controller.ros.qos import RELIABLE_QOS
+from ghc_controller.ros.time import nanoseconds_from_time
+from ghc_controller.types import NANOSECONDS
 
 RATE_LIMIT = 1000.0  # [Nm/s], at a control period of 1 ms: 1 Nm per period
 CONTROL_DT = 1e-3  # [s]
@@ -22,16 +21,12 @@ HOLD = 1  # in the log: the bridge's own torque
 CONTROLLER = f"--ros-args -p robot:=kuka_lwr -p torque_rate_limit:={RATE_LIMIT}"
 
 
-class Client:
-    """Watches the commands and asks for a transition."""
+class Client(BridgeClient):
+    """Watches the robot and asks for a transition."""
 
     def __init__(self, context: Any) -> None:
-        self.node = Node("client", context=context)
-        self.executor = SingleThreadedExecutor(context=context)
-        self.executor.add_node(self.node)
-        self.last_command = 0.0  # [s] wall
+        super().__init__(context)
         self.accepted = False
-        self.node.create_subscription(JointState, "joint_commands", self._on_command, 1)
         self.node.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
         )
@@ -39,29 +34,26 @@ class Client:
             PriorityTransition, "ghc/priority_transition", RELIABLE_QOS
         )
 
-    def _on_command(self, _: JointState) -> None:
-        self.last_command = time.monotonic()
-
     def _on_status(self, message: TransitionStatus) -> None:
         self.accepted |= message.status == TransitionStatus.ACCEPTED
 
-    def spin(self, seconds: float) -> None:
-        """Listen for a while."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            self.executor.spin_once(timeout_sec=0.05)
+    def ask(self) -> None:
+        """Send the transition."""
+        self.request.publish(
+            PriorityTransition(hierarchy="posture > elbow > end_effector", duration=2.0)
+        )
 
-    def until(self, condition: Callable[[], bool]) -> None:
-        """Listen until something is so."""
-        deadline = time.monotonic() + 90.0
-        while not condition():
-            assert time.monotonic() < deadline
-            self.executor.spin_once(timeout_sec=0.05)
+    def pass_time(self, seconds: float) -> None:
+        """Listen until `seconds` [s] of simulated time have passed."""
+        end = self._now() + seconds
+        self.until(lambda: self._now() > end, f"{seconds:g} s of simulated time")
 
-    def wait_for_commands(self) -> None:
-        """Listen until fresh commands flow."""
-        begin = time.monotonic()
-        self.until(lambda: self.last_command > begin)
+    def _now(self) -> float:
+        return nanoseconds_from_time(self.next_state().header.stamp) / NANOSECONDS
+
+    def until_held(self, held: bool) -> None:
+        """Listen until the bridge holds the robot, or a controller drives it."""
+        self.until(lambda: self.diagnostics.get("holding") == str(held), f"holding: {held}")
 
 
 def test_kill_and_take_over(
@@ -77,20 +69,20 @@ def test_kill_and_take_over(
     )
     controller = start_node("ghc_controller", "controller", *CONTROLLER.split())
     client = Client(ros_context)
-    client.wait_for_commands()
-    client.until(lambda: client.request.get_subscription_count() > 0)
-    client.request.publish(
-        PriorityTransition(hierarchy="posture > elbow > end_effector", duration=2.0)
-    )
-    client.until(lambda: client.accepted)
-    client.spin(1.0)  # in the middle of the transition
+    client.until_held(False)
+    client.until(lambda: client.request.get_subscription_count() > 0, "the controller")
+    client.ask()
+    client.until(lambda: client.accepted, "an answer", again=client.ask)
+    client.pass_time(1.0)  # in the middle of the transition
     controller.send(signal.SIGKILL)
     controller.wait()
-    client.spin(1.5)
+    client.pass_time(1.5)
+    client.until_held(True)
     start_node("ghc_controller", "controller", *CONTROLLER.split())
-    client.wait_for_commands()
-    client.spin(1.5)
+    client.until_held(False)
+    client.pass_time(1.5)
     assert bridge.stop() == 0
+    client.close()
 
     data = np.load(log)
     held = data["source"] == HOLD

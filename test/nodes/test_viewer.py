@@ -10,9 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import rerun as rr
 from bridge_client import DEADLINE, ROBOT, BridgeClient, GravityModel
+from browser import CHROMIUM, Browser
 from ghc_msgs.msg import ControllerState, TaskState
 
+from ghc_sim_bridge.viewer.layout import new_recording
+from ghc_sim_bridge.viewer.page_keeper import browsers
 from ghc_sim_bridge.viewer.process import start_viewer
 
 
@@ -45,7 +49,8 @@ def test_viewer_shows_states_and_reports(
 ) -> None:
     file = tmp_path / "live.rrd"
     reports = client.node.create_publisher(ControllerState, "ghc/controller_state", 10)
-    start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", f"scene:={ROBOT}")
+    scene = ("-p", f"scene:={ROBOT}", "-p", f"lockstep_timeout:={DEADLINE}")
+    start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", *scene)
     viewer = start_node(
         "ghc_sim_bridge", "viewer", "--ros-args", "-p", f"scene:={ROBOT}", "-p", f"output:={file}"
     )
@@ -110,6 +115,35 @@ def test_served_page_is_reachable_from_this_machine_only() -> None:
     while any(_listeners(port) for port in ports):
         assert time.monotonic() < deadline, "the server outlives its end"
         time.sleep(0.1)
+
+
+@pytest.mark.long
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
+def test_the_page_stays_until_the_browser_is_closed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The node leaves; the viewer serves on for 5 s, until the browser with its page ends."""
+    monkeypatch.setattr("ghc_sim_bridge.viewer.process.PAGE_PATIENCE", 2.0)
+    viewer = start_viewer(window=False)
+    recording = new_recording()
+    recording.connect_grpc(viewer.url)
+    recording.log("plots/torque", rr.Scalars([1.0]))
+    recording.flush()
+    port = int(viewer.url.rpartition(":")[2].partition("/")[0])
+    try:
+        with Browser(viewer.page, tmp_path) as browser:
+            recording.disconnect()
+            deadline = time.monotonic() + 60.0
+            while not browsers(port):
+                assert time.monotonic() < deadline, browser.value("document.body.innerText")
+                time.sleep(0.1)
+            viewer.leave()
+            time.sleep(5.0)
+            assert viewer.process.poll() is None
+            assert browser.value("document.title")
+        viewer.process.wait(60.0)
+    finally:
+        viewer.end()
 
 
 def _listeners(port: int) -> set[str]:

@@ -1,8 +1,9 @@
 """Bridge and controller in one network namespace, a stranger in another one, as a process.
 
-`unshare --map-root-user --net two_namespaces.py FOLDER` prints the reports of the stranger and of
-a friend beside the nodes (see wire_tapper.py). The nodes are started by hand, that is without any
-setting but the environment's; the stranger knows the address of their host as a static peer.
+`unshare --map-root-user --net two_namespaces.py FOLDER [--patient]` prints the reports of
+the stranger and of a friend beside the nodes (see wire_tapper.py). The nodes are started by hand,
+that is without any setting but the environment's; the stranger knows the address of their host as
+a static peer.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from pathlib import Path
 from ghc_sim_bridge.run.executables import find_executable
 
 HERE, THERE = "10.77.0.1", "10.77.0.2"
-SECONDS = 8.0  # of the stranger
+SECONDS = "8.0"  # of stranger and friend at least
+PATIENCE = 60.0  # [s] for what must happen: to the friend always, to the stranger if `--patient`
 TAPPER = str(Path(__file__).with_name("wire_tapper.py"))
 
 
@@ -62,6 +64,14 @@ def tap(enter: Sequence[str], environment: Mapping[str, str], *words: str) -> su
     return subprocess.Popen(command, env=dict(environment), stdout=subprocess.PIPE, text=True)
 
 
+def wait_for(log: Path, words: str) -> None:
+    """Until a node has printed some words."""
+    end = time.monotonic() + PATIENCE
+    while words not in log.read_text(encoding="utf-8"):
+        assert time.monotonic() < end, log
+        time.sleep(0.05)
+
+
 def main() -> None:
     """Start all, report, end all."""
     folder = Path(sys.argv[1])
@@ -70,7 +80,7 @@ def main() -> None:
     # A peer of the nodes' own side that the environment happens to name.
     by_hand = clean | {"ROS_STATIC_PEERS": THERE, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
     scene, robot = ["scene:=kuka_lwr", "-p", "mode:=realtime"], ["robot:=kuka_lwr"]
-    nodes = []
+    nodes: list[subprocess.Popen[bytes]] = []
     with other_namespace() as enter:
         try:
             for package, executable, words in (
@@ -83,11 +93,15 @@ def main() -> None:
                 nodes.append(
                     subprocess.Popen(command, env=by_hand, stdout=log, stderr=subprocess.STDOUT)
                 )
-            time.sleep(6.0)
-            stranger = tap(enter, clean | {"ROS_STATIC_PEERS": HERE}, str(SECONDS))
-            friend = tap((), clean, str(SECONDS), "--listen")
+            for executable, word in (("sim_bridge", "running"), ("controller", "ready")):
+                wait_for(folder / f"{executable}.log", word)
+            patient = ("--patience", str(PATIENCE))
+            outside = patient if "--patient" in sys.argv else ()
+            stranger = tap(enter, clean | {"ROS_STATIC_PEERS": HERE}, SECONDS, *outside)
+            friend = tap((), clean, SECONDS, *patient, "--listen")
             reports = [
-                json.loads(each.communicate(timeout=60.0)[0]) for each in (stranger, friend)
+                json.loads(each.communicate(timeout=2 * PATIENCE)[0])
+                for each in (stranger, friend)
             ]
             print(json.dumps(dict(zip(("stranger", "friend"), reports, strict=True))))
         finally:

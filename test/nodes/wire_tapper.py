@@ -1,13 +1,14 @@
 """Somebody on the network as a process: listens, commands and resets for a while, and reports.
 
-`wire_tapper.py SECONDS` prints one line of JSON: joint states received, publishers of them and
-readers of commands that were found, the epochs seen, whether a reset was answered.
+`wire_tapper.py SECONDS [--patience SECONDS] [--listen]` prints one line of JSON: joint states
+received, publishers of them and readers of commands that were found, the epochs seen, whether a
+reset was answered. With patience it goes on until it has seen all of that.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 import time
 
 import rclpy
@@ -15,16 +16,22 @@ from ghc_msgs.msg import Epoch
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 JOINTS = [f"joint_{i}" for i in range(1, 8)]
+ENOUGH = 100  # [-] states
 
 
 def main() -> None:
     """Listen and meddle for the given time [s]."""
-    seconds = float(sys.argv[1])
-    meddles = "--listen" not in sys.argv
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("seconds", type=float)
+    parser.add_argument("--patience", type=float, default=0.0)
+    parser.add_argument("--listen", action="store_true", help="and do nothing else")
+    options = parser.parse_args()
+    meddles = not options.listen
     rclpy.init(args=[])
     node = Node("tapper")
     executor = SingleThreadedExecutor()
@@ -37,10 +44,19 @@ def main() -> None:
     node.create_subscription(Epoch, "sim_bridge/epoch", epochs.append, latched)
     commands = node.create_publisher(JointState, "joint_commands", 1) if meddles else None
     reset = node.create_client(Trigger, "sim_bridge/reset")
-    answered = None
+    answered: Future | None = None
     found = {"publishers": 0, "readers": 0}
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
+    begun = time.monotonic()
+
+    def goes_on() -> bool:
+        taken = time.monotonic() - begun
+        all_seen = len(states) > ENOUGH and epochs and (not meddles or reset_is_done())
+        return taken < options.seconds or (taken < options.patience and not all_seen)
+
+    def reset_is_done() -> bool:
+        return answered is not None and answered.done()
+
+    while goes_on():
         executor.spin_once(timeout_sec=0.005)
         found["publishers"] = max(found["publishers"], node.count_publishers("joint_states"))
         found["readers"] = max(found["readers"], node.count_subscribers("joint_commands"))
@@ -55,7 +71,7 @@ def main() -> None:
         **found,
         "states": len(states),
         "epochs": [epoch.number for epoch in epochs],
-        "reset": bool(answered is not None and answered.done()),
+        "reset": reset_is_done(),
     }
     print(json.dumps(report), flush=True)
     rclpy.try_shutdown()

@@ -32,7 +32,7 @@ from ghc_mpc_constraints.generators.contact_forces import (
 )
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog, Source
 
-pytestmark = pytest.mark.timeout(600)  # [s] it compiles what no other test does
+pytestmark = pytest.mark.timeout(600)  # [s]
 
 
 @pytest.fixture(scope="module")

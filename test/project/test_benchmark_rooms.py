@@ -18,17 +18,20 @@ PACKAGES = ("ghc_controller", "ghc_mpc_constraints", "ghc_sim_bridge")
 # Deep modules and folders that benchmarks may import, and why no public name will do.
 ALLOWED = {
     "ghc_controller.constraints": "the boxes are made and timed on their own",
+    "ghc_controller.core": "fuzzed",
     "ghc_controller.errors": "which error a law raises is a result",
     "ghc_controller.formulations": "solved on their own; options; closed forms of the baselines",
     "ghc_controller.hierarchy": "levels, mixtures and projectors are what is studied",
     "ghc_controller.kinematics": "the velocity level, a library of its own without a face",
     "ghc_controller.model.robot_model": "robots without a robot.yaml: planar chains",
+    "ghc_controller.model.rounded_shape": "shapes whose distances another library judges",
     "ghc_controller.numerics": "rotations of targets",
     "ghc_controller.previews": "plans without a generator, as inputs of a timed step",
     "ghc_controller.problem.reduction": "the part of a step that is timed",
     "ghc_controller.qp": "solvers are compared",
     "ghc_controller.reachable": "references that can be followed, without a face",
     "ghc_controller.references.plausibility": "fuzzed",
+    "ghc_controller.robot.first_files": "files of new_robot, as its command writes them",
     "ghc_controller.robot.library": "the path of a robot.yaml that is to be changed",
     "ghc_controller.robot.robot": "fuzzed",
     "ghc_controller.ros": "nodes that drive nodes",
@@ -42,12 +45,15 @@ ALLOWED = {
     "ghc_sim_bridge.errors": "errors of the simulator",
     "ghc_sim_bridge.figures.style": "figures look alike",
     "ghc_sim_bridge.logs.full_rate_log": "the log of a run is read",
+    "ghc_sim_bridge.programs.check_robot": "what it says of a mistake is a result",
     "ghc_sim_bridge.programs.markdown": "pages look alike",
     "ghc_sim_bridge.recorder": "fuzzed",
     "ghc_sim_bridge.ros.experiment_nodes": "nodes are started as an experiment does",
+    "ghc_sim_bridge.ros.viewer_node": "its frame rate is measured",
     "ghc_sim_bridge.run": "nodes are started as an experiment does",
     "ghc_sim_bridge.scenario": "scenarios are run without nodes",
     "ghc_sim_bridge.scene.description": "the path of a scene that is to be changed",
+    "ghc_sim_bridge.viewer": "the page of the viewer, with a patch that tells its frame",
 }
 
 

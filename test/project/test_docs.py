@@ -20,7 +20,7 @@ from ghc_controller.errors import UnknownName
 from ghc_controller.hierarchy import matrix_from_hierarchy
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
-from ghc_controller.tasks import task_kinds
+from ghc_controller.tasks import TASKS
 from ghc_sim_bridge.run.executables import find_executable
 
 INTERFACES = DOCUMENT.read_text(encoding="utf-8")
@@ -74,12 +74,14 @@ def test_topics_and_services_are_those_of_running_nodes(
 ) -> None:
     from rclpy.node import Node
 
-    start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", "-p", "scene:=kuka_lwr_plane")
+    scene = ("-p", "scene:=kuka_lwr_plane", "-p", f"lockstep_timeout:={DEADLINE}")
+    start_node("ghc_sim_bridge", "sim_bridge", "--ros-args", *scene)
     mirror = ("-p", "mirror_commands:=true")
     start_node("ghc_controller", "controller", "--ros-args", "-p", "robot:=kuka_lwr", *mirror)
     start_node("ghc_controller", "reachable_targets", "--ros-args", "-p", "robot:=kuka_lwr")
     start_node("ghc_sim_bridge", "display_publisher", "--ros-args", "-p", "robot:=kuka_lwr")
-    for generator in ("contact_forces", "obstacle_motion", "joint_limits", "torque_limits"):
+    generators = ("contact_forces", "obstacle_motion", "joint_limits", "torque_limits")
+    for generator in (*generators, "body_margins"):
         chosen = ("--ros-args", "-p", f"generator:={generator}")
         start_node("ghc_mpc_constraints", "generator", *chosen)
     node = Node("reader", context=ros_context)
@@ -169,7 +171,7 @@ def test_hierarchy_strings_of_the_tables_parse() -> None:
 
 def test_every_task_kind_is_described() -> None:
     described = re.findall(r"^\| `(\w+)` \|", OWN_ROBOT.read_text(encoding="utf-8"), re.MULTILINE)
-    assert set(task_kinds()) <= set(described)
+    assert set(TASKS) <= set(described)
 
 
 @pytest.mark.timeout(300)

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.faults.campaign import ROWS
-from benchmarks.faults.judge import TORQUE_LIMIT, Run, broken, figures
+from benchmarks.faults.campaign import ROWS, run_rows, updated
+from benchmarks.faults.judge import ENOUGH, TORQUE_LIMIT, Run, broken, figures, usually_missed
 from benchmarks.faults.page import write_page
 from benchmarks.faults.row import Limits
 from benchmarks.faults.wire import Wire
 
 DT = 5e-3  # [s]
 VELOCITY_LIMIT = np.full(7, 2.0)  # [rad/s]
+LAST = np.linspace(1.0, 2.0, 7)  # [Nm] from the command to a hold
 RUN = Run("row", 0, 0.0, 0.5, 1.0, 0.01, False, (), 0)
 
 
@@ -89,10 +92,50 @@ def test_a_hold_that_comes_late_is_found(hold: float, holds: bool) -> None:
     assert (_judged(cut, limits=Limits(hold=0.02, rate=1e9)) == []) is holds
 
 
+def test_a_robot_that_was_held_before_the_last_command_is_held(decay: float = 0.9) -> None:
+    """The braking of a hold dies away, towards the last command as it happens."""
+    wire = _wire()
+    last = wire.command_stamp <= 0.4
+    effort = wire.command_effort[last][-1] + np.outer(decay ** np.arange(len(wire.stamp)), LAST)
+    commands = np.concatenate([wire.command_effort[last], wire.command_effort[-20:]])
+    stamps = np.concatenate([wire.command_stamp[last], wire.command_stamp[-20:]])
+    held = replace(
+        wire, effort=effort, command_stamp=stamps, command_wall=stamps, command_effort=commands
+    )
+    assert held.hold_after(1000.0 * DT) == pytest.approx(DT)
+
+
+def test_what_is_usually_missed_is_counted_before_faults_and_in_motion_only() -> None:
+    """The second half of a second without commands is a fault, which begins there."""
+    wire = _wire()
+    half = slice(0, len(wire.stamp) // 2)
+    wire = replace(
+        wire,
+        command_stamp=wire.command_stamp[half],
+        command_wall=wire.command_wall[half],
+        command_effort=wire.command_effort[half],
+    )
+    late = replace(RUN, begin=0.0, fault=1.0)
+    at_rest = replace(RUN, begin=0.5, fault=0.8)
+    many = [late] * ENOUGH
+    assert usually_missed(wire, [*many, at_rest], DT) == pytest.approx(0.5, abs=0.02)
+    assert usually_missed(wire, [late, at_rest], DT) == 1.0, "too few for a percentile"
+
+
+def test_a_resumed_campaign_runs_nothing_again(tmp_path: Path) -> None:
+    """Rows of as many runs are taken from the file; no node is started for them."""
+    part = tmp_path / "part.json"
+    done = {row.name: {"row": row.name, "runs": [{}, {}]} for row in ROWS[:5]}
+    part.write_text(json.dumps(done), encoding="utf-8")
+    assert run_rows(ROWS[:5], 2, tmp_path / "logs", part) == done
+    assert not (tmp_path / "logs").exists()
+
+
 def test_rows_have_names_of_their_own_and_a_part_is_quick() -> None:
     names = [row.name for row in ROWS]
     assert len(set(names)) == len(names) > 100
     assert 20 < sum(row.quick for row in ROWS) < 40
+    assert len({(row.bench, row.slug) for row in ROWS}) == len(names)
     assert len(TORQUE_LIMIT) == 7
 
 
@@ -104,6 +147,15 @@ def test_the_page_names_rows_that_do_not_hold(tmp_path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert "**0 of 1 rows hold, 1 runs.**" in text
     assert "- some fault: rate_nm_per_s 2000 above 1000" in text
+
+
+def test_rows_that_were_run_again_take_the_place_of_the_first_ones() -> None:
+    def report(*rows: tuple[str, bool, int]) -> dict[str, Any]:
+        return {"rows": [{"row": n, "holds": h, "runs": [{}] * c} for n, h, c in rows]}
+
+    both = updated(report(("a", False, 1), ("b", True, 1)), report(("a", True, 3)))
+    assert [row["row"] for row in both["rows"]] == ["a", "b"]
+    assert (both["held"], both["runs"], both["again"]) == (2, 4, ["a"])
 
 
 def _as_entry() -> dict[str, object]:

@@ -66,6 +66,17 @@ def test_second_order_terms_calm_a_torque_controlled_arm_out_of_reach(formulatio
     assert rates[False] > 5000.0
 
 
+def test_second_order_terms_make_nothing_worse_within_reach_at_the_default_damping() -> None:
+    """Error of the first task after 5 s and speed in the last 3 s at 4 ms: at most as without."""
+    runs = [
+        run_unreachable("cascade", FormulationSettings(second_order=terms), 5.0, None, 4e-3)
+        for terms in (False, True)
+    ]
+    without, with_terms = runs
+    assert 0.0 < with_terms["error"] <= without["error"]
+    assert with_terms["speed"] <= without["speed"]
+
+
 def test_the_program_runs_in_small_and_writes_its_document(tmp_path: Path) -> None:
     arguments = ["1", "7", "--quick", "--output", str(tmp_path)]
     assert main(arguments) == 0

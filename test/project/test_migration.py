@@ -62,6 +62,19 @@ def test_an_old_public_name(row: Renamed) -> None:
         exec(f"from ghc_controller import {row.old}")
 
 
+def test_an_old_method_of_the_controller() -> None:
+    controller = ghc.Controller.for_robot("kuka_lwr")
+    old = [row for row in rows(Kind.METHOD) if row.old.startswith("Controller.")]
+    assert old
+    for row in old:
+        name, new = row.old.split(".")[1], row.new.split(".")[1]
+        assert not hasattr(controller, name) and hasattr(controller, new)
+        with pytest.raises(AttributeError, match=f"'{name}': it is '{row.new}' now"):
+            getattr(controller, name)
+    with pytest.raises(AttributeError, match=r"no attribute 'nothing'$"):
+        controller.nothing  # type: ignore[attr-defined]  # noqa: B018
+
+
 def test_a_name_that_never_was_gives_pythons_own_error() -> None:
     with pytest.raises(ImportError, match="cannot import name 'Nothing'"):
         exec("from ghc_controller import Nothing")
@@ -91,7 +104,7 @@ def test_an_old_field_in_python_and_in_a_file(tmp_path: Any, row: Renamed) -> No
 def test_an_old_parameter_of_a_node(start_node: Any, row: Renamed) -> None:
     arguments = ("--ros-args", "-p", "robot:=kuka_lwr", "-p", f"{row.old}:=1.0")
     node = start_node("ghc_controller", "controller", *arguments)
-    assert node.wait(30.0) == 2
+    assert node.wait(60.0) == 2
     assert f"parameter '{row.old}': it is '{row.new}' now" in node.output
 
 

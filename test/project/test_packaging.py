@@ -23,14 +23,11 @@ TICKS = 12
 
 # README's library example, without the simulator: the arm stands still.
 _EXAMPLE = f"""
-import json, os, sys
+import json, sys
 sys.modules["rclpy"] = None  # importing it fails
 sys.path[:0] = sys.argv[1:]
 import numpy as np
 import ghc_controller as ghc
-
-if os.environ.get("NUMBA_DISABLE_JIT"):
-    ghc.Controller.warm_up = lambda self: None  # there is nothing to compile
 controller = ghc.Controller(ghc.load_robot("kuka_lwr"))
 q, v = np.array({START}), np.zeros(7)
 controller.start(ghc.RobotState(0.0, q, v))
@@ -72,7 +69,7 @@ def test_the_metadata_asks_for_all_that_the_library_imports() -> None:
     )
     assert asked is not None
     needed = {_DISTRIBUTIONS.get(name, name) for name in imported}
-    assert needed | {"scipy"} == set(ast.literal_eval(asked[1]))  # numba's linear algebra: scipy
+    assert needed == set(ast.literal_eval(asked[1]))
 
 
 def _copy(folder: Path) -> Path:
@@ -109,8 +106,6 @@ def test_a_wheel_is_built_and_answers_without_the_sources(tmp_path: Path) -> Non
     environment["GHC_CMAKE_ARGS"] = "-DCMAKE_CXX_FLAGS_RELEASE=-O0"  # quickly, with assertions
     built = subprocess.run(pip, env=environment, capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr
-    # Kernels run as plain Python: compiling them for one short run takes a minute.
-    environment["NUMBA_DISABLE_JIT"] = "1"
     run = subprocess.run(
         [sys.executable, "-c", _EXAMPLE, str(target)],
         cwd=tmp_path,
@@ -130,7 +125,7 @@ def test_an_empty_environment_gets_all_that_the_library_needs(tmp_path: Path) ->
     clean = {
         name: value
         for name, value in os.environ.items()
-        if name not in {"PYTHONPATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "NUMBA_DISABLE_JIT"}
+        if name not in {"PYTHONPATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH"}
         and not name.startswith("_ROS_")
     }
     lock = ROOT / "requirements" / f"lock-noros-py3.{sys.version_info.minor}.txt"

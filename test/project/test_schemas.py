@@ -20,7 +20,7 @@ from reference.json_schema import problems
 from ghc_controller.errors import GhcError
 from ghc_controller.robot.library import load_robot
 from ghc_controller.settings import Settings
-from ghc_controller.tasks import task_kinds
+from ghc_controller.tasks import TASKS
 from ghc_sim_bridge.scenario.scenario import load_scenario
 from ghc_sim_bridge.scene.description import load_scene
 
@@ -81,7 +81,7 @@ def test_the_files_of_the_document_are_valid_and_name_their_schema() -> None:
 
 def test_every_kind_of_task_and_every_text_is_in_the_schema() -> None:
     items = schema_of("robot")["properties"]["tasks"]["items"]
-    assert set(items["properties"]["kind"]["enum"]) >= set(task_kinds())
+    assert set(items["properties"]["kind"]["enum"]) >= set(TASKS)
     for kind in FILES:
         schema = schema_of(kind)
         for record in (schema, *schema["definitions"].values()):

@@ -10,6 +10,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from ghc_mpc_constraints.generator import GENERATORS
+
 ROOT = Path(__file__).resolve().parents[2]
 POLICIES = sorted((ROOT / "security" / "policies").glob("*.xml"))
 # Schema of policies, version 0.2.0 (design.ros2.org, "ROS 2 Access Control Policies"; sros2's
@@ -116,6 +118,14 @@ def test_states_and_torques_have_one_source_each() -> None:
     assert who("publish", "/effort_controller/commands") == {"controller"}
     for names in (granted("publish")["recorder"], granted("publish")["viewer"]):
         assert names <= {"/diagnostics", "/rosout", "/parameter_events"}
+
+
+def test_every_generator_may_plan_from_its_input() -> None:
+    """Its node has the generator's name."""
+    for name in GENERATORS.built_in:
+        assert "/constraints/preview" in granted("publish")[name]
+        assert {"/ghc/tick", f"/{GENERATORS[name].input.topic}"} <= granted("subscribe")[name]
+        assert f"/{name}/get_parameters" in granted("reply")[name]
 
 
 def test_services_are_served_by_their_node_and_called_by_the_operator() -> None:

@@ -13,10 +13,10 @@ from benchmarks.soak.inputs import DRIVERS
 from benchmarks.soak.memory import GROWTH_GOAL, MemoryCourse, resident_memory
 from benchmarks.soak.report import FIGURE, soak_table, write_soak_section
 from benchmarks.soak.run import main
-from benchmarks.soak.section import keep_soak_section, with_soak_section
+from benchmarks.soak.section import GENERATORS
 from ghc_controller.errors import GhcError
 
-pytestmark = pytest.mark.timeout(300)  # [s] it may compile
+pytestmark = pytest.mark.timeout(300)  # [s]
 
 DOCUMENT = "# Time\n\nText.\n\n## What to keep in mind\n\n- Much.\n"
 
@@ -80,10 +80,10 @@ def test_both_nodes_answer_and_results_are_complete(
 
 
 def test_the_section_is_replaced_and_kept_by_the_other_program() -> None:
-    first = with_soak_section(DOCUMENT, "## Memory\n\none")
+    first = GENERATORS.put(DOCUMENT, "## Memory\n\none")
     assert first.index("one") < first.index("## What to keep in mind")
-    second = with_soak_section(first, "## Memory\n\ntwo \\1")
+    second = GENERATORS.put(first, "## Memory\n\ntwo \\1")
     assert second == first.replace("one", "two \\1")
-    assert keep_soak_section(DOCUMENT, second) == second
-    assert keep_soak_section(DOCUMENT, "") == DOCUMENT
-    assert with_soak_section("", "body").count("body") == 1
+    assert GENERATORS.keep(DOCUMENT, second) == second
+    assert GENERATORS.keep(DOCUMENT, "") == DOCUMENT
+    assert GENERATORS.put("", "body").count("body") == 1

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tools.workspace import checks
-from tools.workspace.build_steps import Kernels, Messages, PythonPackages
+from tools.workspace.build_steps import Messages, PythonPackages
 from tools.workspace.environment_steps import Packages, VirtualEnvironment
 from tools.workspace.errors import SetupError
 from tools.workspace.layout import Layout, Way
@@ -24,7 +24,6 @@ STEPS: tuple[type[Step], ...] = (
     Packages,
     Messages,
     PythonPackages,
-    Kernels,
 )
 
 INTERRUPTED = 130  # exit code that shells give to a command ended by SIGINT

@@ -1,8 +1,7 @@
-"""The steps that build `src/`: messages, Python packages with the core, compiled kernels."""
+"""The steps that build `src/`: messages, and the Python packages with the core."""
 
 from __future__ import annotations
 
-import os
 import shutil
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -122,38 +121,3 @@ class PythonPackages(ColconBuild):
 
     def make(self) -> None:
         self._colcon([])
-
-
-class Kernels(Step):
-    """Inner loops of controller and generators, compiled into the caches beside their sources."""
-
-    title = "kernels of controller and generators (compiled, about a minute)"
-    _PACKAGES = ("ghc_controller", "ghc_mpc_constraints")  # the second one uses the first
-
-    def key(self) -> str:
-        sources = (path for folder in self._folders() for path in files_below(folder))
-        files = [path for path in sources if path.suffix == ".py"]
-        files = [path for path in files if b"njit" in path.read_bytes()]
-        return key_of([*files, self.context.lock()], self.context.venv_version(), self.layout.root)
-
-    def stamp(self) -> Stamp:
-        return Stamp(self.layout.build / ".kernels_stamp")
-
-    def outputs(self) -> Sequence[Path]:
-        return []
-
-    def make(self) -> None:
-        for folder in self._folders():
-            for cached in folder.glob("**/__pycache__/*.nb[ic]"):
-                cached.unlink()  # a cache does not notice edits of the functions that it calls
-        path = os.pathsep.join(str(folder) for folder in self._folders())
-        environment = {**self.context.environment(), "PYTHONPATH": path}
-        for package in self._PACKAGES:
-            self.context.run(
-                [str(self.layout.python), "-m", f"{package}.compile_kernels"],
-                environment,
-                f"the kernels of {package} could not be compiled",
-            )
-
-    def _folders(self) -> list[Path]:
-        return [self.layout.source / package for package in self._PACKAGES]

@@ -96,7 +96,7 @@ class Layout:
     def core_sources(self) -> list[Path]:
         """What the extension of the controller is built from."""
         folders = sorted(path.parent for path in self.source.glob("*/*/core/CMakeLists.txt"))
-        files = [path for folder in folders for path in sorted(folder.glob("*.[ch]pp"))]
+        files = [path for folder in folders for path in sorted(folder.rglob("*.[ch]pp"))]
         return [*files, *(folder / "CMakeLists.txt" for folder in folders), *self._builders()]
 
     def core_extensions(self) -> list[Path]:

@@ -1,4 +1,4 @@
-"""The tables of one case: errors by level, and what a method does beside."""
+"""The tables of one case: errors by level, and other measures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The papers' own tables beside the figures of the comparison."""
+"""Tables of the papers next to results of the comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A closed loop of controller and simulator, and what is recorded of it; no ROS."""
+"""Closed loop of controller and simulator, with recorded data; no ROS."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import ghc_controller as ghc
 from benchmarks.compare.operations import law_operations
 from benchmarks.compare.qp_counter import QpCounter
 from ghc_controller.hierarchy.priorities import Candidate
-from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
+from ghc_controller.tasks.python.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.types import Array
 from ghc_sim_bridge import SimulationDiverged, Simulator
 
@@ -34,7 +34,7 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """A run that is ready to begin."""
+    """A run before its start."""
 
     controller: ghc.Controller
     simulator: Simulator
@@ -76,7 +76,7 @@ class Record:
 def run_loop(loop: Loop) -> Record:
     """Run to the end of the last span, or to where the robot diverges or falls."""
     controller, simulator = loop.controller, loop.simulator
-    counter, record = QpCounter(controller.formulation), Record()
+    counter, record = QpCounter(controller), Record()
     dt, end = controller.settings.control_dt, loop.spans[-1].end
     every = max(1, round(PROBE_PERIOD / dt))
     formulation, d = controller.formulation.name, controller.model.nv - loop.held

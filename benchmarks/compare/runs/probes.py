@@ -1,4 +1,4 @@
-"""What a formulation answers at states that are held: strictness of its levels, shape of a ramp.
+"""Solutions of a formulation at fixed states: strictness of its levels, shape of a ramp.
 
 Probes have a formulation of their own, so that they leave the run as it is.
 """
@@ -25,7 +25,7 @@ _LEAST_CHANGE = 1e-3  # [Nm] a ramp that changes less has no shape to speak of
 
 
 class Strictness(NamedTuple):
-    """How much of what a level asks for the levels below take, (J x - J x_alone) / b, largest.
+    """Largest disturbance of a level by the levels below, (J x - J x_alone) / b.
 
     x_alone is the answer of the same formulation without the levels below. None without a state.
     """

@@ -61,7 +61,6 @@ def run_scenario(
     scenario = replace(scenario, control_dt=control_dt or scenario.control_dt)
     plan = plan_of(scenario, method, quick)
     controller = _controller(plan, method)
-    controller.warm_up()
     simulator = Simulator(
         scenario.scene,
         plan.control_dt,

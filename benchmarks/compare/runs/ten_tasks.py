@@ -32,8 +32,7 @@ def run_ten_tasks(method: Method, quick: bool) -> Result:
     controller = icub_controller(method.formulation)
     settings = method.settings()
     k, d = len(controller.robot.tasks), controller.model.nv - _FEET
-    controller.warm_up()
-    counter = QpCounter(controller.formulation)
+    counter = QpCounter(controller)
     problems, misses, counts, changes = [], [], [], []
     unsolved = 0
     for number, case in enumerate(ten_task_states(controller, _QUICK if quick else _STATES)):

@@ -1,4 +1,4 @@
-"""The KUKA with a target out of reach: does the arm come to rest, and how near?"""
+"""The KUKA with a target out of reach: does the arm come to rest, and how close?"""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Studies beside the figures of papers."""
+"""Studies that reproduce figures of papers."""

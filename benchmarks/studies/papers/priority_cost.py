@@ -1,4 +1,4 @@
-"""What a step of the laws of Jeong and Chang (2009) costs, in NumPy and in counted operations."""
+"""Cost of a step of the laws of Jeong and Chang (2009): NumPy times and operation counts."""
 
 from __future__ import annotations
 

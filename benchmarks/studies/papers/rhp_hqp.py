@@ -30,12 +30,17 @@ CAPTION = (
 PAGE = "rhp_hqp.md"
 page = rhp_page.page
 _W = (1e-4, 1e-2)
+_BOTH_DAMPED = ("hqp_transition", "cascade")  # compared with the default velocity damping as well
 _PROBLEMS, _STRICT_PROBLEMS = 60, 200
 _SAMPLE = 0.1  # [s] of the error over time
+_WIDTHS = (4.0, 2.6, 1.2, 1.2, 1.2)  # of curves: `cascade` and `hqp_transition` are nearly one
 
 
 def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
-    """Four closed-loop cases and random problems, each at two weights of regularization."""
+    """Four closed-loop cases and random problems, each at two weights of regularization.
+
+    The timed ramp also with the default velocity damping, towards -kd v for both.
+    """
     install_missing("icub-models", Layout(Path(__file__).resolve().parents[3]))
     count, strict = (1, 2) if quick else (_PROBLEMS, _STRICT_PROBLEMS)
     duration = 0.2 if quick else None
@@ -52,6 +57,8 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
                 if case.name == DISPLAYED_CASE and w == DISPLAYED_W:
                     over_time = _sampled(done)
         found[name] = {"cases": cases, "random": random, "hand_mm": over_time}
+        if name in _BOTH_DAMPED:
+            found[name]["damped_ramp"] = {f"{w:g}": _damped_ramp(name, w, duration) for w in _W}
         if name == "rhp_hqp":
             found[name] |= _constant_weights(count)
             settings = ghc.FormulationSettings(velocity_damping=0.0)
@@ -67,6 +74,11 @@ def run(quick: bool, formulations: tuple[str, ...]) -> dict[str, Any]:
         "duration_s": duration,
     }
     return {"facts": facts, "formulations": found}
+
+
+def _damped_ramp(name: str, w: float, duration: float | None) -> dict[str, Any]:
+    settings = ghc.FormulationSettings(regularization=w, hqp_damps_velocity=True)
+    return figures(run_case(CASES["ramp"], name, settings, duration=duration))
 
 
 def _constant_weights(count: int) -> dict[str, Any]:
@@ -127,4 +139,4 @@ def plot(result: dict[str, Any], path: Path) -> None:
 
 
 def _line(ax: Axes, x: Any, y: Any, index: int, label: str, style: str) -> None:
-    ax.plot(x, y, color=colour(index), linestyle=style, label=label, lw=1.2)
+    ax.plot(x, y, color=colour(index), linestyle=style, label=label, lw=_WIDTHS[index])

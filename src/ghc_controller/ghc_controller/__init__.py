@@ -9,6 +9,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ghc_controller.constraints import DistanceConstraint as DistanceConstraint
     from ghc_controller.contacts.contact import Contact as Contact
     from ghc_controller.controller import Controller as Controller
     from ghc_controller.errors import GhcError as GhcError
@@ -49,6 +50,7 @@ _HOMES = {
     "Contact": "contacts.contact",
     "ControlProblem": "problem.control_problem",
     "Controller": "controller",
+    "DistanceConstraint": "constraints",
     "FORMULATIONS": "formulations",
     "Formulation": "formulations",
     "FormulationSettings": "formulations",

@@ -1,4 +1,4 @@
-"""Errors of the stack: each says what was given, what was expected and what exists."""
+"""Errors of the stack; messages state what was given, what was expected and what exists."""
 
 from __future__ import annotations
 
@@ -34,8 +34,19 @@ class InvalidValue(GhcError):
     """A value outside its domain (not finite, out of range, malformed)."""
 
 
+class OutsideLimits(InvalidValue):
+    """A joint outside its position limits; carries its name, value and limits [rad] or [m]."""
+
+    def __init__(self, joint: str, value: float, lower: float, upper: float) -> None:
+        self.joint = joint
+        self.value = value
+        self.lower = lower
+        self.upper = upper
+        super().__init__(f"joint '{joint}': {value:g} given, {lower:g} to {upper:g} expected")
+
+
 class InvalidField(InvalidValue):
-    """A field of a record outside its domain; carries its name for whoever knows the file."""
+    """A field of a record outside its domain; carries its name for the reader of the file."""
 
     def __init__(self, field: str, problem: str) -> None:
         self.field = field
@@ -48,4 +59,4 @@ class ConfigurationError(GhcError):
 
 
 class PluginError(ConfigurationError):
-    """Something that another package brings and that cannot be used; names package and entry."""
+    """An invalid plug-in of another package; names package and entry."""

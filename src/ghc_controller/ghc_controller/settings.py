@@ -76,6 +76,12 @@ class Settings:
     constraints: tuple[str, ...] = declared(
         "further constraints by name, such as those of plug-ins", ()
     )
+    tuning_duration: float = declared(
+        "of the blend by which gains, weights, limits and the formulation change while running",
+        1.0,
+        unit="s",
+        domain=POSITIVE,
+    )
     optimization: FormulationSettings = inline(FormulationSettings)
     own: Any = chosen_by("formulation", own_settings)  # what only the formulation in use has
 
@@ -182,6 +188,4 @@ def make_constraints(
     rate = settings.rate_limit(robot)
     planned = PlannedJerk(rate, robot.model.na) if np.max(rate) > 0.0 else None
     found = [one for one in made if one is not None]
-    return ConstraintSet(
-        [*found, *robot.constraints, *further], robot.model, planned, bool(robot.contacts)
-    )
+    return ConstraintSet([*found, *robot.constraints, *further], robot.model, planned)

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Starts = NDArray[np.int64]  # (k + 1,) first row of each of k tasks; the last one ends the rows
 
 NANOSECONDS = 1_000_000_000  # [ns/s] stamps are counts of nanoseconds
-CONTROL_DT = 1e-3  # [s] control period where nothing else is said
-PREVIEW_STEP = 0.01  # [s] between two plans of a generator where nothing else is said
-UNIT_TOLERANCE = 1e-3  # [-] a normal or quaternion this far from unit length is refused
+CONTROL_DT = 1e-3  # [s] default control period
+PREVIEW_STEP = 0.01  # [s] default time between two plans of a generator
+UNIT_TOLERANCE = 1e-3  # [-] a normal or quaternion this far from unit length is rejected
 
 _NO_WRENCHES: Mapping[str, Array] = MappingProxyType({})
 
@@ -30,9 +31,9 @@ class RobotState:
     time: float  # [s]
     q: Array  # (nq,) [rad]
     v: Array  # (n,) [rad/s]
-    torque: Array | None = None  # (a,) [Nm] torque applied over the last control period
+    torque: Array | None = None  # (a,) [Nm] applied over the last period; NaN: not measured
     wrenches: Mapping[str, Array] = field(default_factory=lambda: _NO_WRENCHES)
-    # name -> (6,) force [N], torque [Nm] of the surroundings on the robot, world axes
+    # name -> (6,) force [N], torque [Nm] of the environment on the robot, world axes
     epoch: int = 0  # counts resets; in a simulator alone, time is 0 again after each
 
 
@@ -58,7 +59,7 @@ class TaskTarget(NamedTuple):
     position: Array  # (m,); (4,) quaternion xyzw for an orientation, (7,) for a pose
     velocity: Array  # (m,)
     acceleration: Array  # (m,)
-    wrench: Array | None = None  # (m,) [N] or [Nm] to be exerted on the surroundings
+    wrench: Array | None = None  # (m,) [N] or [Nm] to be exerted on the environment
 
 
 class TaskRows:

@@ -1,6 +1,6 @@
-"""Constraint generators: bounds that move instead of jumping. The public names.
+"""Constraint generators: continuous bounds instead of steps. Public names.
 
-Names are loaded when they are first used, as in `ghc_controller`.
+Names are loaded on first use, as in `ghc_controller`.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from ghc_controller.migration.public_names import load_name
 if TYPE_CHECKING:
     from ghc_mpc_constraints import bounds_generator, generator
     from ghc_mpc_constraints.generators import (
+        body_margins,
         contact_forces,
         joint_limits,
         obstacle_motion,
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from ghc_mpc_constraints.previews import horizon
     from ghc_mpc_constraints.schedules import contact_schedule, limit_schedule
 
+    BodyMargins = body_margins.BodyMargins
+    BodyMarginSettings = body_margins.BodyMarginSettings
     BoundsGenerator = bounds_generator.BoundsGenerator
     ContactForceBounds = contact_forces.ContactForceBounds
     ContactSchedule = contact_schedule.ContactSchedule
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     JointLimits = joint_limits.JointLimits
     JointLimitSettings = joint_limits.JointLimitSettings
     LimitSchedule = limit_schedule.LimitSchedule
+    MarginSchedule = body_margins.MarginSchedule
     Measurement = measurement.Measurement
     Measurements = obstacle_motion.Measurements
     ObstacleBounds = obstacle_motion.ObstacleBounds
@@ -41,6 +45,8 @@ if TYPE_CHECKING:
     register_generator = generator.register_generator
 
 _HOMES = {
+    "BodyMarginSettings": "generators.body_margins",
+    "BodyMargins": "generators.body_margins",
     "BoundsGenerator": "bounds_generator",
     "ContactForceBounds": "generators.contact_forces",
     "ContactSchedule": "schedules.contact_schedule",
@@ -50,6 +56,7 @@ _HOMES = {
     "JointLimitSettings": "generators.joint_limits",
     "JointLimits": "generators.joint_limits",
     "LimitSchedule": "schedules.limit_schedule",
+    "MarginSchedule": "generators.body_margins",
     "Measurement": "obstacle_motion.measurement",
     "Measurements": "generators.obstacle_motion",
     "ObstacleBounds": "generators.obstacle_motion",

@@ -1,4 +1,4 @@
-"""Generator of bounds from schedules: what contact forces, torques and joint positions share."""
+"""Base class of generators that smooth scheduled bounds: forces, torques, joint positions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ghc_controller.previews.preview import Preview, bounds_at
+from ghc_controller.previews.preview import Preview
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array
 from ghc_mpc_constraints.generator import Generator
@@ -29,19 +29,19 @@ class Bounds(NamedTuple):
 class BoundsGenerator(Generator):
     """Both bounds of every scheduled row over a receding horizon.
 
-    The first input of a preview is applied: the next tick starts where the preview before says. A
-    row starts on its raw bounds, or on those handed over by `take_over`. Without a solution the
-    preview before is held as far as it goes, then the bounds tighten towards the tightest raw
-    ones ahead; in no case is a bound looser than the raw one.
+    The first input of a preview is applied: the next tick starts from the previous preview. A row
+    starts at its raw bounds, or at those passed to `take_over`. Without a solution the previous
+    preview is used to its end, then the bounds tighten towards the tightest upcoming raw bounds.
+    A bound is never looser than the raw one.
     """
 
     TROUBLE = ("held", "tightened", "conflicts")
 
     def __init__(self, settings: Any) -> None:
-        """Make the grid.
+        """Create the grid.
 
         Raises:
-            InvalidValue: a horizon that is no multiple of the step.
+            InvalidValue: a horizon that is not a multiple of the step.
         """
         self.settings = settings
         self.horizon = Horizon.of(settings.step, settings.horizon)
@@ -49,7 +49,6 @@ class BoundsGenerator(Generator):
         self._schedules: dict[str, LimitSchedule] = {}
         self._handed_over: dict[str, tuple[float, float]] = {}
         self._preview: Preview | None = None
-        bounds_at(np.zeros((1, 2)), np.zeros((1, 2)), 0.0, True)
 
     @abstractmethod
     def smooth(self, name: str, time: float, first: tuple[float, float], raw: RawBounds) -> Any:
@@ -59,11 +58,11 @@ class BoundsGenerator(Generator):
             name: of the row.
             time: [s] of the tick.
             first: lower and upper bound at point 0, inside the raw ones.
-            raw: bounds to stay inside of.
+            raw: bounds that the result must satisfy.
         """
 
     def is_active(self, schedule: LimitSchedule, time: float) -> bool:  # noqa: ARG002
-        """Whether the row is on at a time [s]."""
+        """Whether the row is active at a time [s]."""
         return True
 
     def floor(self, raw: RawBounds) -> tuple[float, float]:
@@ -71,25 +70,25 @@ class BoundsGenerator(Generator):
         return float(raw.lower.max()), float(raw.upper.min())
 
     def observe(self, given: LimitSchedule, now: float) -> None:
-        """Use a schedule from its first time on; what was planned up to there stays."""
+        """Use a schedule from its first time on; the plan before that stays."""
         old = self._schedules.get(given.name)
         self._schedules[given.name] = given if old is None else old.followed_by(given, now)
 
     def take_over(self, in_force: Preview) -> None:
-        """Start its rows from the bounds in force instead of the raw ones."""
+        """Start its rows from the current bounds instead of the raw ones."""
         for row, name in enumerate(in_force.rows):
             self.start_from(name, float(in_force.lower[row, 0]), float(in_force.upper[row, 0]))
 
     def start_from(self, name: str, lower: float, upper: float) -> None:
-        """Start one row from bounds in force; no effect on one that is planned already."""
+        """Start one row from current bounds; no effect on a row that is already planned."""
         if math.isfinite(lower) and math.isfinite(upper):
             self._handed_over[name] = (lower, upper)
 
     def hold_handed_over(self) -> None:
-        """Keep a row that was taken over and has no schedule at its bounds in force.
+        """Keep a row that was taken over and has no schedule at its current bounds.
 
-        Without this the preview would leave it out, and what the robot's file says would hold at
-        once. A schedule that comes later goes on from there.
+        Without this the preview would omit it, and the limits of the robot's file would apply at
+        once. A later schedule continues from there.
         """
         for name, (lower, upper) in self._handed_over.items():
             if name not in self._schedules:
@@ -100,9 +99,9 @@ class BoundsGenerator(Generator):
         return LimitSchedule.checked(name, [0.0], [lower], [upper])
 
     def reset(self) -> None:
-        """Forget schedules, previews and bounds in force: time starts again.
+        """Discard schedules, previews and current bounds: time restarts.
 
-        Schedules have to be given again: what was merged has lost its past.
+        Schedules have to be given again: merged ones have lost their past.
         """
         self._schedules.clear()
         self._preview = None
@@ -133,14 +132,14 @@ class BoundsGenerator(Generator):
         return self._preview
 
     def _plan_row(self, name: str, time: float, raw: RawBounds, out: Bounds) -> PreviewStatus:
-        """Write the bounds of one row."""
+        """Plan the bounds of one row."""
         lower, upper = out
         if not self.settings.smoothing:
             lower[:], upper[:] = raw.lower, raw.upper
             return PreviewStatus.RAW
         start = self._in_force(name, time)
         lower[0], upper[0] = raw.lower[0], raw.upper[0]
-        if start is not None:  # a late change may have left it outside the raw bounds
+        if start is not None:  # a late change can put it outside the raw bounds
             upper[0] = min(max(start[1], raw.lower[0]), raw.upper[0])
             lower[0] = min(max(start[0], raw.lower[0]), upper[0])
         answer = self.smooth(name, time, (lower[0], upper[0]), raw)
@@ -150,7 +149,7 @@ class BoundsGenerator(Generator):
         return self._without_solution(name, time, raw, out)
 
     def _in_force(self, name: str, time: float) -> Sequence[float] | None:
-        """Bounds of the preview before at `time`, or those handed over."""
+        """Bounds of the previous preview at `time`, or those passed to `take_over`."""
         before = self._preview
         if before is None or name not in before.rows:
             return self._handed_over.get(name)

@@ -1,15 +1,15 @@
-"""What a generator is: raw input in, previews of a constraint out, tick by tick. And their names.
+"""Base class and registry of generators, which turn raw input into previews at each tick.
 
 A new generator is one file with a subclass of `Generator`, registered by its name:
 
     @register_generator("my_limits")
     class MyLimits(Generator):
-        kind = TORQUE_LIMITS                        # which constraint follows its previews
+        kind = TORQUE_LIMITS                        # constraint that follows its previews
         settings_type = MySettings                  # declared: step, horizon, smoothing, ...
         input = Sensor("constraints/my_input", "my_msgs/MyInput", read)
 
-Another package lists it as an entry point of the group "ghc_mpc_constraints.generators". The node
-`generator` runs it by its name; its settings are parameters of that node.
+Other packages register it as an entry point of the group "ghc_mpc_constraints.generators". The
+node `generator` runs it by name; its settings are parameters of that node.
 """
 
 from __future__ import annotations
@@ -28,37 +28,36 @@ from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 
 @dataclass(frozen=True, slots=True)
 class Schedules:
-    """Input that is sent ahead: latched schedules, each known from a time on."""
+    """Input sent in advance: latched schedules with a start time."""
 
     topic: str
     message: str  # type, as "ghc_msgs/ContactSchedule"
-    # (message, time [s] from which its times count, known names) -> schedules; raises GhcError
+    # (message, time [s] at which its times are zero, known names) -> schedules; raises GhcError
     read: Callable[[Any, float, Sequence[str]], tuple[LimitSchedule, ...]]
     names: str = "joints"  # parameter with the names that exist
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """Input that is measured: a stream of messages with a header, the newest one counts."""
+    """Measured input: a stream of stamped messages, of which the newest is used."""
 
     topic: str
     message: str  # type, as "ghc_msgs/ObstacleStateArray"
-    # (message, rejects a part of it with a reason) -> what `observe` takes; raises GhcError
+    # (message, callback to reject parts of it) -> argument of `observe`; raises GhcError
     read: Callable[[Any, Callable[[str], None]], Any]
 
 
 class Generator(ABC):
     """Plans the bounds of the rows of one constraint over a receding horizon.
 
-    No ROS and no clock of its own: times are those of the robot [s]. A generator compiles what it
-    needs when it is made.
+    Independent of ROS and clocks: times are arguments, in [s] of the robot's time.
 
     Attributes:
-        counts: how often what happened, by name; those of `TROUBLE` are warnings.
+        counts: event counts by name; those in `TROUBLE` are warnings.
         horizon: the grid of its previews.
     """
 
-    kind: ClassVar[str]  # of its previews, such as "contact_forces"
+    kind: ClassVar[str]  # kind of its previews, such as "contact_forces"
     settings_type: ClassVar[type]  # declared dataclass with step, horizon and smoothing
     input: ClassVar[Schedules | Sensor]
     TROUBLE: ClassVar[tuple[str, ...]] = ("held", "tightened")
@@ -69,15 +68,15 @@ class Generator(ABC):
 
     @abstractmethod
     def __init__(self, settings: Any) -> None:
-        """Take settings of `settings_type`, and compile.
+        """Store settings of `settings_type`.
 
         Raises:
-            InvalidValue: settings that cannot be used together.
+            InvalidValue: inconsistent settings.
         """
 
     @abstractmethod
     def observe(self, given: Any, now: float) -> None:
-        """Take an input: a schedule, or what the `read` of its sensor returned, at `now` [s]."""
+        """Process an input at `now` [s]: a schedule, or the value returned by `Sensor.read`."""
 
     @abstractmethod
     def tick(self, time: float) -> Preview:
@@ -85,22 +84,22 @@ class Generator(ABC):
 
     @abstractmethod
     def take_over(self, in_force: Preview) -> None:
-        """Start from the bounds or motions in force, the first point of a preview.
+        """Start from current bounds or motions, given as the first point of a preview.
 
-        Has no effect on rows that this generator has planned already.
+        Has no effect on rows that this generator has already planned.
         """
 
     @abstractmethod
     def reset(self) -> None:
-        """Forget inputs and previews: time starts again."""
+        """Discard inputs and previews: time restarts."""
 
     def previews(self, time: float) -> tuple[Preview, ...]:
-        """All that is planned from `time` [s]; more than one for a generator of several kinds."""
+        """All previews from `time` [s]; several if the generator plans for several kinds."""
         return (self.tick(time),)
 
     @property
     def second_opinions(self) -> int:
-        """How often the structured solve had to be repeated by another solver."""
+        """How often another solver had to repeat the structured solve."""
         return 0
 
 

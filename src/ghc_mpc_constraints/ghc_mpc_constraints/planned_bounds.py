@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ghc_controller.types import Array
 from ghc_mpc_constraints.bounds_generator import BoundsGenerator
 from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundQp, ForceBoundWeights
@@ -16,15 +14,13 @@ class PlannedBounds(BoundsGenerator):
     """Bounds of every row over a receding horizon, with the same weights for all rows."""
 
     def __init__(self, settings: Any, weights: ForceBoundWeights) -> None:
-        """Make the constant matrices and compile.
+        """Compute the constant matrices.
 
         Raises:
-            InvalidValue: a horizon that is no multiple of the step.
+            InvalidValue: the horizon is not a multiple of the step.
         """
         super().__init__(settings)
         self._qp = ForceBoundQp(self.horizon, weights)
-        ones = np.ones(self.horizon.steps)
-        self._qp.solve((0.0, 2.0), 0.0 * ones, np.linspace(2.0, 1.0, len(ones)))
 
     @property
     def second_opinions(self) -> int:

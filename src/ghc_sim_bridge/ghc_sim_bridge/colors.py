@@ -27,7 +27,6 @@ PALETTE = (
 SHOWN = PALETTE[0]  # what a figure is about
 MEASURED = PALETTE[3]
 BOUND = PALETTE[4]
-DESIRED = "#BBBBBB"
 _DASHES = ("-", "--", ":", "-.")
 
 
@@ -37,7 +36,7 @@ def color(index: int) -> str:
 
 
 def dashes(index: int) -> str:
-    """Line style that tells curves of one color apart."""
+    """Line style that distinguishes curves of one color."""
     return _DASHES[index // len(PALETTE) % len(_DASHES)]
 
 

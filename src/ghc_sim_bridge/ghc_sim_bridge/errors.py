@@ -1,4 +1,4 @@
-"""Errors that only the simulator side knows."""
+"""Errors of the simulator side."""
 
 from __future__ import annotations
 

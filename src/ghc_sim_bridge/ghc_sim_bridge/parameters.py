@@ -30,7 +30,9 @@ class BridgeParameters:
     paused: bool = parameter(False, "start paused; ~/pause starts the run")
     log_file: str = parameter("", "full-rate log (.npz) written at the end; empty = none")
     torque_rate_limit: float = parameter(
-        DEFAULT_TORQUE_RATE, "[Nm/s] of the gate, at every edge too; 0 = off", not_negative
+        DEFAULT_TORQUE_RATE,
+        "[Nm/s] of the gate, also at transitions to and from hold; 0 = off",
+        not_negative,
     )
     watchdog_timeout: float = parameter(
         0.02, "[s] realtime: a robot without a command this fresh is held", positive
@@ -81,12 +83,12 @@ class RecorderParameters:
 class ReplayParameters:
     """Parameters of replay."""
 
-    recording: str = parameter("", "rosbag2 folder or .mcap file, also one that was cut", given)
+    recording: str = parameter("", "rosbag2 folder or .mcap file, also a truncated one", given)
     rate: float = parameter(
         1.0, "[-] times as fast as recorded", Range(minimum=0.001, maximum=1000.0)
     )
     loop: bool = parameter(False, "begin again at the end; stamps then begin again as well")
-    start: float = parameter(0.0, "[s] of the recording that are left out", not_negative)
+    start: float = parameter(0.0, "[s] of the recording to skip", not_negative)
     topics: tuple[str, ...] = parameter((), "names of topics; none = all", Distinct())
     delay: float = parameter(
         1.0, "[s] wall before the first message, for readers to find the topics", not_negative

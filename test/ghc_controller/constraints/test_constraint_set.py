@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from model_states import make_model, random_state
@@ -162,7 +164,7 @@ def test_active_rows_are_named() -> None:
 
 
 def test_names_must_differ() -> None:
-    """Two rows of one name could not be told apart."""
+    """Two rows of one name could not be distinguished."""
     model = make_model("kuka_lwr")
     with pytest.raises(InvalidValue, match="'torque_limit' is given twice"):
         ConstraintSet([TorqueLimit(1.0, 7), TorqueLimit(2.0, 7)], model)
@@ -211,3 +213,16 @@ def test_a_plan_for_unknown_frames_alone_has_no_rows() -> None:
     assert len(distance.follow(_obstacles("nose"))) == 1
     assert distance.rows(_tick(model, 0.0)) is None
     assert not distance.is_stale(1.0)
+
+
+def test_bounds_in_place_of_motions_do_not_remove_the_obstacles() -> None:
+    """Nor motions the bounds: a preview of another shape is refused and the one before stays."""
+    model = make_model("kuka_lwr")
+    distance = ObstacleDistance(model, 0.1)
+    distance.follow(_obstacles("tool"))
+    with pytest.raises(InvalidValue, match="1 rows with 0 motions given"):
+        distance.follow(replace(_obstacles("tool"), motions=()))
+    assert distance.names == ("obstacle.box_1",)
+    limit = TorqueLimit(50.0, 7, follows=model.joint_names)
+    with pytest.raises(InvalidValue, match="motions given, bounds of joints expected"):
+        limit.follow(_obstacles("tool"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ghc_controller.constraints.jerk_kernels import (
+from ghc_controller.core import (
     position_bound,
     stopping_distance,
     velocity_bound,

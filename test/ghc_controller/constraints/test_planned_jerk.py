@@ -15,7 +15,6 @@ from ghc_controller.constraints import (
     Tick,
     TorqueRateLimit,
 )
-from ghc_controller.constraints.jerk_share import base_follows
 from ghc_controller.constraints.planned_jerk import PlannedJerk
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
@@ -100,7 +99,9 @@ def test_a_free_base_keeps_its_momentum(seed: int) -> None:
     rng = np.random.default_rng(seed)
     model, state = make_model("humanoid"), random_state("humanoid", rng)
     mass = model.update(state.q, state.v).mass_matrix
-    carried = base_follows(mass, np.zeros((0, 0)), model.na)
+    plan = PlannedJerk(RATE, model.na)
+    plan.update(model.dynamics, state, None, DT)
+    carried = plan.carried
     assert np.abs(carried @ mass[:, :6]).max() < 1e-9 * np.abs(mass).max()
 
 
@@ -112,7 +113,9 @@ def test_a_base_that_one_foot_holds_follows_its_leg_alone(seed: int) -> None:
     frame = model.frame_id(model.frame_names[-1])
     mass = model.update(state.q, state.v).mass_matrix
     jacobian = np.ascontiguousarray(model.frame_jacobian(frame))
-    carried = base_follows(mass, jacobian, model.na)
+    plan = PlannedJerk(RATE, model.na)
+    plan.update(model.dynamics, state, jacobian, DT)
+    carried = plan.carried
     assert np.abs(jacobian @ carried.T).max() < 2e-3 * np.abs(jacobian).max()
     exact = np.hstack([-np.linalg.solve(jacobian[:, :6], jacobian[:, 6:]).T, np.eye(model.na)])
     inertia = exact @ mass @ exact.T

@@ -21,11 +21,14 @@ from ghc_controller.constraints import (
     Tick,
 )
 from ghc_controller.constraints.registry import CONSTRAINTS, ConstraintFields, register_constraint
+from ghc_controller.constraints.row_stack import RowStack
 from ghc_controller.constraints.rows.cartesian_wall import CartesianWall
+from ghc_controller.constraints.rows.frame_angular_speed import FrameAngularSpeed
 from ghc_controller.constraints.rows.frame_speed import FrameSpeed
 from ghc_controller.constraints.rows.joint_coupling import JointCoupling
 from ghc_controller.errors import ConfigurationError, InvalidValue, WrongSize
 from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.numerics.rotation import quaternion_from_matrix
 from ghc_controller.problem.violation import largest_violation
 from ghc_controller.qp import VIOLATION_TOLERANCE
 from ghc_controller.robot.library import find_robot
@@ -71,17 +74,23 @@ def test_jacobian_and_drift_are_the_second_derivative_of_the_scalar(robot: str, 
         assert d.jacobian @ x + d.drift == pytest.approx(second, abs=1e-5)
 
 
+@pytest.mark.parametrize("link", [0, -1])  # the base, and the end of a limb
+@pytest.mark.parametrize("kind", [FrameSpeed, FrameAngularSpeed])
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_the_row_of_a_speed_is_its_derivative(robot: str) -> None:
+def test_the_row_of_a_speed_is_its_derivative(
+    robot: str, kind: type[FrameSpeed], link: int
+) -> None:
     rng = np.random.default_rng(8)
     model = make_model(robot)
-    state, frame = random_state(robot, rng), model.frame_id(model.frame_names[-1])
+    moving = [name for name in model.frame_names if model.chain(name)]
+    state, frame = random_state(robot, rng), model.frame_id(moving[link])
+    of = slice(3) if kind is FrameSpeed else slice(3, 6)
     limit, horizon, x = 0.3, 0.05, rng.normal(size=model.nv)
     speeds = []
     for t in (-STEP, 0.0, STEP):
         model.update(moved(robot, state.q, state.v * t + 0.5 * x * t * t), state.v + x * t)
-        speeds.append(float(np.linalg.norm(model.frame(frame).velocity[:3])))
-    rows = FrameSpeed("speed", frame, limit, horizon).rows(_tick(model, state))
+        speeds.append(float(np.linalg.norm(model.frame(frame).velocity[of])))
+    rows = kind("speed", frame, limit, horizon).rows(_tick(model, state))
     change = (speeds[2] - speeds[0]) / (2.0 * STEP)
     slack = rows.upper[0] - rows.matrix[0] @ x
     assert slack == pytest.approx((limit - speeds[1]) / horizon - change, abs=1e-5)
@@ -189,6 +198,37 @@ def test_a_coupling_and_a_speed_hold_in_the_loop() -> None:
     assert places[-1, 1] < -0.2
 
 
+def test_an_angular_speed_holds_in_the_loop() -> None:
+    """The tool turns by 1.5 rad; MuJoCo's angular velocity stays below 0.4 rad/s to 1 %."""
+    gains = {"stiffness": 30.0, "damping": 10.0}
+    limit = {"kind": "frame_angular_speed", "name": "gently", "frame": "tool", "limit": 0.4}
+    fastest = []
+    for constraints in ([], [limit]):
+        robot = ghc.Robot.from_urdf(
+            ghc.load_robot("kuka_lwr").urdf,
+            tasks=[ghc.frame_orientation("turn", "tool", **gains), ghc.posture("rest", **gains)],
+            hierarchy="turn > rest",
+            constraints=constraints,
+        )
+        simulator, controller = Simulator("kuka_lwr", control_dt=DT), ghc.Controller(robot)
+        controller.start(simulator.state())
+        here = simulator.frame_rotation("tool")
+        c, s = np.cos(1.5), np.sin(1.5)
+        turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ here
+        controller.set_reference("turn", quaternion_from_matrix(turned))
+        speeds, active = [], set()
+        while simulator.time < 1.5:
+            simulator.step(controller.step(simulator.state()).torque)
+            if simulator.tick % 50 == 0:
+                active |= set(controller.report().active_constraints)
+            w = simulator.frame_jacobian("tool")[3:] @ simulator.state().v
+            speeds.append(float(np.linalg.norm(w)))
+        fastest.append(max(speeds))
+    assert fastest[0] > 1.0
+    assert fastest[1] < 0.4 * 1.01
+    assert "gently" in active
+
+
 class FixedRows(Constraint):
     """Constant rows."""
 
@@ -268,6 +308,21 @@ def test_rows_on_torques_bound_torques(formulation: str) -> None:
     assert "fixed.0" in controller.report().active_constraints
 
 
+def test_rows_on_torques_count_what_tasks_exert() -> None:
+    """As under force control, where the torque is M x + h + J^T f."""
+    model = ghc.load_robot("kuka_lwr").model
+    row, upper = np.eye(7)[:1], np.array([5.0])
+    limits = ConstraintSet([FixedRows(Space.TORQUE, Softness.SOFT, row, upper)], model)
+    state = RobotState(0.0, np.full(7, 0.4), np.full(7, 0.1))
+    free = model.update(state.q, state.v)
+    force, jacobian = np.array([20.0]), np.linspace(0.1, 0.7, 7)[None]
+    model.exert("a task", jacobian, force)
+    limits.update(model, free, state, None, DT)
+    assert limits.rows is not None
+    np.testing.assert_allclose(limits.rows.matrix, free.mass_matrix[:1])
+    np.testing.assert_allclose(limits.rows.upper, upper - free.bias[:1] - 20.0 * jacobian[0, :1])
+
+
 def test_rows_on_forces_bound_the_forces_of_contacts() -> None:
     """iCub stands with 20 N less on the left foot, though nothing else asks for it."""
     robot = ghc.load_robot("icub")
@@ -308,21 +363,139 @@ def test_rows_on_forces_bound_the_forces_of_contacts() -> None:
     assert "less" in report.active_constraints
 
 
+class _Written(Constraint):
+    """A row on forces whose matrix is one array, written anew from tick to tick."""
+
+    space, softness = Space.FORCE, Softness.HARD
+
+    def __init__(self, name: str, size: int) -> None:
+        super().__init__(name)
+        self.matrix, self.names = np.zeros((1, size)), (name,)
+
+    def rows(self, tick: Tick) -> Rows | None:
+        return Rows(self.matrix, -np.ones(1), np.ones(1), self.names)
+
+
+def test_a_matrix_on_forces_that_is_written_in_place_is_read_at_every_state() -> None:
+    robot = ghc.load_robot("icub")
+    state = Simulator("icub_standing", control_dt=DT).state()
+    controller = ghc.Controller(robot)
+    controller.start(state)
+    controller.step(state)
+    contacts = controller.problem().contacts
+    assert contacts is not None
+    row = _Written("mine", contacts.force_jacobian.shape[0])
+    model = controller.model
+    stack, dynamics = RowStack([row]), model.update(state.q, state.v)
+    for k in (1.0, 2.0):
+        row.matrix[0, 0], row.names = k, (f"mine_{k:g}",)
+        stack.update(Tick(model, dynamics, state, None, DT, contacts=contacts))
+        found = stack.on_forces(contacts)
+        assert found.force_matrix[0, 0] == k
+        assert found.names == row.names
+
+
+IN_CONTACT = sorted({"cascade", "balanced", "ghc", "hqp", "rhp_hqp", "hqp_transition"})
+
+
+@pytest.fixture(scope="module")
+def standing() -> tuple[ghc.Robot, RobotState]:
+    """iCub on both feet, its contact forces unknown to a joint."""
+    return ghc.load_robot("icub"), Simulator("icub_standing", control_dt=DT).state()
+
+
+def _step(
+    standing: tuple[ghc.Robot, RobotState],
+    formulation: str,
+    *constraints: Constraint,
+    in_core: bool = True,
+) -> tuple[ghc.Controller, ghc.StepResult]:
+    robot, state = standing
+    settings = ghc.Settings.of(torque_rate_limit=0.0, formulation=formulation)
+    controller = ghc.Controller(_with(robot, *constraints), settings)
+    controller.formulation.solver.lets_core_solve = in_core
+    controller.start(state)
+    return controller, controller.step(state)
+
+
+def _knees(joints: tuple[str, ...]) -> Array:
+    """(1, a) tau_left_knee + tau_right_knee."""
+    return np.array([[float(name.endswith("_knee")) for name in joints]])
+
+
+@pytest.mark.parametrize("softness", [Softness.SOFT, Softness.HARD])
+@pytest.mark.parametrize("formulation", IN_CONTACT)
+def test_rows_on_torques_bound_torques_in_contact(
+    standing: tuple[ghc.Robot, RobotState], formulation: str, softness: Softness
+) -> None:
+    """What both knees give together, recomputed as M x + h - J^T f: 5 Nm less than without."""
+    controller, free = _step(standing, formulation)
+    matrix = _knees(controller.model.joint_names)
+    sign = np.sign(matrix[0] @ free.torque)
+    bound = float(sign * (matrix[0] @ free.torque)) - 5.0
+    rows = FixedRows(Space.TORQUE, softness, sign * matrix, np.array([bound]))
+    controller, result = _step(standing, formulation, rows)
+    assert result.status is ghc.StepStatus.SOLVED
+    problem, found = controller.problem(), result.solution
+    assert problem.contacts is not None
+    moved = problem.mass_matrix @ found.acceleration + problem.bias
+    full = moved - problem.contacts.force_jacobian.T @ found.force
+    assert np.abs(full[:6]).max() < 1e-5
+    assert sign * (matrix[0] @ full[6:]) == pytest.approx(bound, abs=1e-5)
+    assert "fixed.0" in controller.report().active_constraints
+    answer = (found.acceleration, found.force, found.torque)
+    assert largest_violation(problem, *answer, problem.torque) <= VIOLATION_TOLERANCE
+
+
+def test_the_core_and_python_answer_rows_on_torques_alike(
+    standing: tuple[ghc.Robot, RobotState],
+) -> None:
+    """The QPs of the levels in the core, and none of them there; beside a row on accelerations."""
+    joints = standing[0].model.joint_names
+    rows = FixedRows(Space.TORQUE, Softness.HARD, _knees(joints), np.array([-8.0]))
+    row = np.eye(len(joints) + 6)[6:7]
+    still = FixedRows(Space.ACCELERATION, Softness.SOFT, row, np.array([-0.1]), "still")
+    answers = []
+    for in_core in (True, False):
+        controller, result = _step(standing, "cascade", rows, still, in_core=in_core)
+        assert result.status is ghc.StepStatus.SOLVED
+        assert {"fixed.0", "still.0"} <= set(controller.report().active_constraints)
+        answers.append(result.torque)
+    np.testing.assert_allclose(answers[0], answers[1], rtol=0.0, atol=1e-3)
+
+
+def test_rows_on_torques_in_contact_are_relaxed_by_name_unless_they_are_hard(
+    standing: tuple[ghc.Robot, RobotState],
+) -> None:
+    """tau_knees <= -8 and >= -4 [Nm] meet half-way; one of them HARD, the other gives it all."""
+    matrix = _knees(standing[0].model.joint_names)
+    below = FixedRows(Space.TORQUE, Softness.SOFT, matrix, np.array([-8.0]), "below")
+    for softness, share in ((Softness.SOFT, 2.0), (Softness.HARD, 4.0)):
+        above = FixedRows(Space.TORQUE, softness, -matrix, np.array([4.0]), "above")
+        controller, result = _step(standing, "cascade", below, above)
+        assert result.status is ghc.StepStatus.RELAXED
+        slack = {one.name: one.amount for one in controller.report().slack}
+        assert slack["below.0"] == pytest.approx(share, abs=1e-3)
+        assert slack.get("above.0", 0.0) == pytest.approx(4.0 - share, abs=1e-3)
+        assert matrix[0] @ result.torque == pytest.approx(-8.0 + share, abs=1e-3)
+
+
 def test_rows_that_cannot_be_served_are_rejected_by_name() -> None:
     model = make_model("kuka_lwr")
     row, upper = np.ones((1, 7)), np.zeros(1)
     hard = FixedRows(Space.ACCELERATION, Softness.HARD, row, upper)
     with pytest.raises(InvalidValue, match="'fixed': rows on acceleration with softness HARD"):
         ConstraintSet([hard], model)
-    torque = FixedRows(Space.TORQUE, Softness.SOFT, row, upper)
-    with pytest.raises(InvalidValue, match="'fixed': rows on torques are served for robots with"):
-        ConstraintSet([torque], model, in_contact=True)
+    rate = FixedRows(Space.TORQUE, Softness.RATE, row, upper)
+    with pytest.raises(InvalidValue, match="'fixed': rows on torque with softness RATE given"):
+        ConstraintSet([rate], model)
     small = ConstraintSet([FixedRows(Space.ACCELERATION, Softness.SOFT, row[:, :3], upper)], model)
     state = RobotState(0.0, np.zeros(7), np.zeros(7))
     with pytest.raises(WrongSize, match="constraint 'fixed': matrix"):
         small.update(model, model.update(state.q, state.v), state, None, DT)
     with pytest.raises(InvalidValue, match="follows no preview"):
         hard.follow(None)
+    assert repr(hard) == "FixedRows('fixed', ACCELERATION, HARD)"
 
 
 @pytest.mark.parametrize(

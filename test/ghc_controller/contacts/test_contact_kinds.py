@@ -11,7 +11,7 @@ import pytest
 import ghc_controller as ghc
 from ghc_controller.contacts import Contact, SlidingContact, SurfaceContact
 from ghc_controller.contacts.registry import make_contact
-from ghc_controller.errors import InvalidValue
+from ghc_controller.errors import ConfigurationError, InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.reader import Fields
 from ghc_controller.types import Array, RobotState
@@ -105,6 +105,41 @@ def test_friction_of_a_sliding_contact_acts_against_its_motion(
     assert np.array_equal(at_rest, motion), "none that could hold it"
     assert np.array_equal(contact.cone(), -np.eye(4))
     assert contact.friction_use(force) == 0.0
+
+
+def test_accelerations_of_a_rolling_contact_keep_what_touches_still(model: RobotModel) -> None:
+    """J x - target is the rate of c' - w x r n, and 20 1/s of it: central differences. Seed 6."""
+    rng = np.random.default_rng(6)
+    radius = 0.04
+    contact = _contact(model, kind="rolling", radius=radius)
+    normal = contact.axes[2]
+
+    def slip(q: Array, v: Array) -> Array:
+        model.update(q, v)
+        frame = model.frame(contact.frame_id)
+        to_plane = contact.points @ frame.rotation.T - radius * normal
+        velocity = frame.velocity[:3] + np.cross(frame.velocity[3:], to_plane)
+        return np.array(velocity @ contact.axes.T).ravel()
+
+    q, v, x = rng.normal(size=(3, model.nv))
+    before, here, after = (
+        slip(q + v * t + 0.5 * x * t * t, v + x * t) for t in (-STEP, 0.0, STEP)
+    )
+    model.update(q, v)
+    forces, motion, target = _rows(model, contact)
+    assert np.array_equal(forces, motion)
+    assert np.allclose(motion @ v, here, atol=1e-12)
+    rate = (after - before) / (2.0 * STEP)
+    assert np.allclose(motion @ x - target, rate + 20.0 * here, atol=1e-5)
+
+
+def test_a_rolling_contact_needs_friction_and_a_radius(model: RobotModel) -> None:
+    with pytest.raises(InvalidValue, match="friction 0 given"):
+        _contact(model, kind="rolling", radius=0.1, friction=0.0)
+    with pytest.raises(ConfigurationError, match="radius"):
+        _contact(model, kind="rolling")
+    with pytest.raises(ConfigurationError, match="radius"):
+        _contact(model, kind="point", radius=0.1)
 
 
 def _sliding_arm(**contact: Any) -> ghc.Robot:

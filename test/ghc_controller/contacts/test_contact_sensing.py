@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ghc_controller.contacts import BoundsInForce, ContactSensing, NormalBounds
 from ghc_controller.contacts.registry import make_contact
+from ghc_controller.contacts.sensing_settings import Sensing
+from ghc_controller.controller import Controller
 from ghc_controller.previews.preview import CONTACT_FORCES, Preview
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import load_robot_config
 from ghc_controller.schema.reader import Fields
+from ghc_controller.settings import Settings
+from ghc_controller.types import RobotState
 
 STEP, HORIZON, UPPER = 0.01, 1.5, 60.0  # [s], [s], [N]
+SIDES = ("left", "right")
 FORCE = np.array([0.0, 0.0, 20.0, 0.0, 0.0, 0.0])  # [N], [Nm]
 
 
@@ -115,3 +122,45 @@ def test_a_silent_generator_breaks_no_contact_that_came_early() -> None:
     assert foot.at(0.8, touches=True).active == (True,)
     for time in (1.5, 2.4, 2.8, 4.0):  # the last plan ends at 2.3 s
         assert foot.later(time, touches=True).active == (True,)
+
+
+def _one_foot_felt() -> list[tuple[Controller, RobotState]]:
+    """iCub on its left foot, by that foot alone; and with the right one on by a plan, not felt."""
+    robot = load_robot_config(find_robot("icub"))
+    left, right = (next(c for c in robot.contacts if c.name == f"{side}_sole") for side in SIDES)
+    right = replace(right, active=False, sensing=Sensing())
+    bounds = np.zeros((1, 3))
+    plan = Preview(
+        *(CONTACT_FORCES, 0.0, 1.0, ("right_sole",), bounds, bounds + 300.0),
+        *((True,), (PreviewStatus.RAW,), (False,), False),
+    )
+    q = np.zeros(robot.model.nq)
+    q[6] = 1.0
+    state = RobotState(0.0, q, np.zeros(robot.model.nv), None, {"right_sole": np.zeros(6)})
+    found = []
+    for contacts in ((left,), (left, right)):
+        controller = Controller(
+            replace(robot, contacts=contacts),
+            Settings.of(torque_rate_limit=0.0),
+        )
+        if right in contacts:
+            controller.follow(plan)
+        found.append((controller, state))
+    return found
+
+
+def test_braking_counts_on_no_contact_that_is_planned_and_not_felt() -> None:
+    torques = [controller.brake(state) for controller, state in _one_foot_felt()]
+    np.testing.assert_allclose(torques[1], torques[0], atol=1e-9)
+
+
+def test_requests_are_judged_at_the_contacts_that_are_felt() -> None:
+    """Also at a state that is looked at only; what is felt there is new to the next step."""
+    measured = []
+    for controller, state in _one_foot_felt():
+        controller.observe(state)
+        alpha = np.full(controller.priorities.alpha.shape, 0.25)  # no order: contacts matter
+        measured.append(controller.solvability().measure(alpha))
+        controller.step(state)
+        assert controller.solvability().measure(alpha) == measured[-1]
+    assert measured[1] == measured[0]

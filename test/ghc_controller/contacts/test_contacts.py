@@ -50,9 +50,7 @@ def _rows(robot: Robot, contact: Contact) -> ContactRows:
     contacts = ContactSet([contact])
     bounds = BoundsInForce([replace(contact, active=True)]).at(0.0)
     rows = contacts.rows(robot.model, bounds, ReferenceSchedule([]), 0.0)
-    limits = ConstraintSet(
-        [NormalForce(contacts), FrictionCone(contacts)], robot.model, in_contact=True
-    )
+    limits = ConstraintSet([NormalForce(contacts), FrictionCone(contacts)], robot.model)
     model = robot.model
     state = RobotState(0.0, model.q.copy(), model.v.copy())
     limits.update(model, model.dynamics, state, None, 1e-3, rows)
@@ -253,3 +251,15 @@ def test_friction_use_is_the_share_of_the_cone(robot: Robot) -> None:
     use = contacts.friction_use(bounds.active, force)
     assert use == pytest.approx([0.5, 0.0, 0.0])
     assert contacts.normal_forces(bounds.active, force) == pytest.approx([20.01, 7.0, 0.0])
+
+
+def test_a_hold_that_is_left_before_the_next_state_leaves_force_tasks_off(robot: Robot) -> None:
+    contact = _contact(robot, friction=0.4, active=True, force_task={"weight": 1.0})
+    controller = Controller(replace(robot, contacts=(contact,)))
+    q, v = np.full(7, 0.4), np.zeros(7)
+    before = controller.step(RobotState(0.0, q, v)).torque
+    controller.hold()
+    controller.activate()
+    after = controller.step(RobotState(1e-3, q, v)).torque
+    assert np.abs(after - before).max() < 1.001  # [Nm] the rate limit
+    assert controller.force_references.current("tip", 1e-3).wrench is None

@@ -96,7 +96,7 @@ def test_over_the_steps_the_forces_are_those_of_the_least_cost(robot: Robot) -> 
 
 
 def test_a_light_foot_is_used_like_the_heavy_one(robot: Robot) -> None:
-    """Where |f|^2 alone would put its centre of pressure beside the sole."""
+    """Where |f|^2 alone would put its center of pressure beside the sole."""
     reach = 0.04  # [m] of the sole to the side
     plain, shared = (_sideways(_settled(robot, weight)) for weight in (0.0, STANDING))
     assert abs(plain[1]) > reach
@@ -212,7 +212,7 @@ def _settled(robot: Robot, weight_force: float) -> Array:
 
 
 def _sideways(force: Array) -> list[float]:
-    """Centre of pressure [m] of each foot along y, from its middle."""
+    """Center of pressure [m] of each foot along y, from its middle."""
     normal = force[2::3].reshape(2, 4)
     return [float(f @ np.array(SQUARE)[:, 1] / f.sum()) for f in normal]
 

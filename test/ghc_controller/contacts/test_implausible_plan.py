@@ -51,6 +51,12 @@ def test_a_lower_bound_above_the_file_is_refused_and_the_plan_before_stays(lower
     assert (values.lower[0], values.upper[0]) == (10.0, 50.0)
 
 
+@pytest.mark.parametrize("values", [(np.nan, 2.0), (1.0, np.nan)])
+def test_a_bound_that_is_no_number_is_refused(values: tuple[float, float]) -> None:
+    with pytest.raises(InvalidValue, match="nan N given, a number expected"):
+        _bounds().follow(_plan(*values))
+
+
 def test_an_upper_bound_above_the_file_is_cut_to_it() -> None:
     bounds = _bounds()
     bounds.follow(_plan(10.0, 1e6), 0.0)

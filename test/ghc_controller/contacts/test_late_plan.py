@@ -1,4 +1,4 @@
-"""Plans that come late: the bounds in force neither jump up nor leave the newest plan."""
+"""Plans that come late: the current bounds neither jump up nor leave the newest plan."""
 
 from __future__ import annotations
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from random_problems import random_problem, strict_alpha
 
-from ghc_controller.core import Cascade, NullSpace, level_optimum
+from ghc_controller.core import Cascade, Mixture, NullSpace, level_optimum
 from ghc_controller.formulations import (
     ControlProblem,
     Formulation,
@@ -21,6 +22,7 @@ from ghc_controller.types import Array, Bounds
 
 SIZES = [3, 2, 3, 17]
 TORQUE_SHARES = (None, 0.35)
+_EFFORT: tuple[Any, ...] = (True, 200, 2000)  # bounds as well, pivots of a level and of a step
 
 
 def _dense_null_space(rows: Array, e: float) -> Array:
@@ -136,62 +138,87 @@ def test_a_start_from_the_right_active_set_takes_fewer_pivots() -> None:
 def test_the_core_leaves_the_rest_at_a_cap() -> None:
     """Levels with an answer before the pivots are spent; none is worse for it. Seed 5."""
     problem = random_problem(np.random.default_rng(5), 17, SIZES, strict_alpha(4), 0.35)
-    terms = _fixed_base_terms(problem)
     ends = np.cumsum(SIZES).tolist()
-    whole = Cascade(range(sum(SIZES)), ends).solve(*terms, True, 200, 2000)
-    assert whole[0] == len(SIZES)
-    answered = []
-    for cap in range(whole[1] + 1):
-        found = Cascade(range(sum(SIZES)), ends).solve(*terms, True, 200, cap)
-        answered.append(found[0])
-        assert found[1] <= cap
-    assert answered == sorted(answered)
-    assert answered[0] == 0
-    assert answered[-1] == len(SIZES)
-    assert Cascade(range(sum(SIZES)), ends).solve(*terms, False, 200, 2000)[0] == 0
+
+    def tried(bounded: bool, cap: int) -> tuple[int, int]:
+        core = Mixture(1e-2, 3e-5, 0.0)
+        order = Cascade(range(sum(SIZES)), ends)
+        effort: tuple[Any, ...] = (bounded, 200, cap)
+        core.solve((order,), (1.0,), *_arrays(problem), *effort)
+        return core.answer(0, bounded, 200, cap)[:2]
+
+    answered, whole = tried(True, 2000)
+    assert answered == len(SIZES)
+    levels = []
+    for cap in range(whole + 1):
+        answered, pivots = tried(True, cap)
+        levels.append(answered)
+        assert pivots <= cap
+    assert levels == sorted(levels)
+    assert levels[0] == 0
+    assert levels[-1] == len(SIZES)
+    assert tried(False, 2000)[0] == 0
 
 
-def _fixed_base_terms(problem: ControlProblem) -> tuple[object, ...]:
-    """What `Cascade.solve` takes up to the damping, then the damping."""
-    box, torque = problem.acceleration, problem.torque
+def _arrays(problem: ControlProblem) -> tuple[Any, ...]:
+    """What `Mixture.solve` takes of a problem, up to the effort."""
+    boxes = (problem.acceleration, problem.torque, problem.torque_limit)
     return (
         problem.jacobian,
         problem.target,
-        np.zeros(len(problem.bias)),
-        None,
-        None,
         problem.mass_matrix,
         problem.bias,
-        *(None,) * 9,
-        box.lower,
-        box.upper,
-        torque.lower,
-        torque.upper,
-        *(None,) * 4,
-        1e-2,
-        3e-5,
+        problem.velocity,
+        *(bound for box in boxes for bound in (box.lower, box.upper)),
+        problem.rows,
+        problem.contacts,
+        problem.unactuated,
     )
 
 
 def test_sizes_that_do_not_fit_are_rejected() -> None:
-    problem = random_problem(np.random.default_rng(6), 7, [3, 2], strict_alpha(2))
-    terms = _fixed_base_terms(problem)
-    core = Cascade(range(5), [3, 5])
-    assert core.solve(*terms, True, 200, 2000)[0] == 2
-    for place, wrong in ((1, np.zeros(4)), (2, np.zeros(6)), (5, np.zeros((7, 6)))):
-        given = [*terms]
-        given[place] = wrong
+    """Array by array, of a problem with contacts and general rows; a good one is then solved."""
+    rng = np.random.default_rng(6)
+    problem = random_problem(rng, 20, [3, 2], strict_alpha(2), contacts=4)
+    general = (np.zeros((2, 20)), -np.ones(2), np.ones(2))
+    arrays = [*_arrays(replace(problem, rows=None))]
+    arrays[11] = general
+    core, order = Mixture(1e-2, 3e-5, 0.0), Cascade(range(5), [3, 5])
+
+    def solve(given: list[Any], orders: tuple[Cascade, ...] = (order,)) -> int:
+        return core.solve(orders, (1.0,), *given, *_EFFORT)[0]
+
+    contacts = tuple(arrays[12])[:8]
+    for place, part in [(i, None) for i in range(11)] + [
+        (row, k) for row, parts in ((11, 3), (12, 8)) for k in range(parts)
+    ]:
+        given = [*arrays]
+        if part is None:
+            given[place] = np.zeros(np.add(np.shape(given[place]), 1))
+        else:
+            whole = [*(general if place == 11 else contacts)]
+            whole[part] = np.zeros(np.add(np.shape(whole[part]), 1))
+            given[place] = tuple(whole)
         with pytest.raises(ValueError, match="expected"):
-            core.solve(*given, True, 200, 2000)
+            solve(given)
+        with pytest.raises(IndexError, match="expected"):
+            core.answer(0, True, 200, 200)
+    for given in ([*arrays[:11], general[:2], *arrays[12:]], [arrays[1], *arrays[1:]]):
+        with pytest.raises(ValueError, match="expected"):
+            solve(given)
     with pytest.raises(ValueError, match="every row of the order"):
-        Cascade(range(6), [3, 6]).solve(*terms, True, 200, 2000)
+        solve(arrays, (Cascade(range(6), [3, 6]),))
+    for orders, shares in (((), ()), ((order,), ())):
+        with pytest.raises(ValueError, match="as many shares"):
+            core.solve(orders, shares, *arrays, *_EFFORT)
+    assert solve(arrays) == 1
     space = NullSpace(7, 3)
     with pytest.raises(ValueError, match="capacity"):
         space.append(np.zeros((4, 7)), 1e-3)
     for ends in ([], [3], [3, 6], [5, 3], [-1, 5], [6, 5]):
         with pytest.raises(ValueError, match="ascending up to the last row"):
             Cascade(range(5), ends)
-    J = problem.jacobian
+    J = np.zeros((5, 7))
     for target, y in ((np.zeros(4), np.zeros(7)), (np.zeros(5), np.zeros(6))):
         with pytest.raises(ValueError, match="expected"):
             level_optimum(J, target, y, space, 1e-2)
@@ -213,10 +240,11 @@ def test_a_bound_that_is_no_number_is_met_by_no_answer(kind: str, side: str) -> 
         changed = {name: getattr(bounds, name).copy() for name in ("lower", "upper")}
         changed[side][row] = np.nan
         given = replace(problem, **{kind: Bounds(**changed)})
-        core = Cascade(range(12), [3, 5, 12])
-        assert core.solve(*_fixed_base_terms(problem), True, 200, 2000)[0] == 3
-        assert core.solve(*_fixed_base_terms(given), True, 200, 2000)[0] == 0
-        assert core.solve(*_fixed_base_terms(problem), True, 200, 2000)[0] == 3
+        core, order = Mixture(1e-2, 3e-5, 20.0), Cascade(range(12), [3, 5, 12])
+        for one, levels in ((problem, 3), (given, 0), (problem, 3)):
+            one = replace(one, torque_limit=one.torque)
+            core.solve((order,), (1.0,), *_arrays(one), *_EFFORT)
+            assert core.answer(0, True, 200, 2000)[0] == levels
 
 
 @pytest.mark.parametrize("n", [1, 7, 47, 48, 63, 130])

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from random_problems import random_problem, strict_alpha
 
+from ghc_controller.core.native import priority_weights
 from ghc_controller.errors import GhcError
 from ghc_controller.formulations import FormulationSettings, SolutionStatus, make_formulation
-from ghc_controller.formulations.weight_kernels import priority_weights
 from ghc_controller.hierarchy import Priorities, ProjectorSettings
 from ghc_controller.types import Array
 
@@ -99,7 +99,7 @@ def test_ramps_between_orders_of_independent_tasks_are_accepted() -> None:
 
 
 def test_ramps_between_orders_are_refused_only_where_torques_jump() -> None:
-    """Nearly dependent tasks: those refused have a step that stands out, the others have none."""
+    """Nearly dependent tasks: those rejected have a step that stands out, the others have none."""
     rng = np.random.default_rng(45)
     formulation = make_formulation("balanced")
     refused = 0
@@ -132,7 +132,7 @@ def test_ramps_between_orders_are_refused_only_where_torques_jump() -> None:
 
 @pytest.mark.parametrize("name", ["balanced", "cascade"])
 def test_without_a_task_all_joints_brake_and_nobody_may_ask_for_it(name: str) -> None:
-    """x = -kd v; as the target of a transition it is refused: somebody has to say where to go."""
+    """x = -kd v; as the target of a transition it is rejected: somebody has to say where to go."""
     problem = random_problem(np.random.default_rng(44), 7, [3, 3], strict_alpha(2))
     removed = replace(problem, priorities=Priorities.of(np.ones((2, 2))), velocity=np.ones(7))
     formulation = make_formulation(name)

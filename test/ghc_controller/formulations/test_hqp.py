@@ -11,7 +11,6 @@ from random_problems import random_problem, strict_alpha
 from ghc_controller.formulations import ControlProblem, SolutionStatus, make_formulation
 from ghc_controller.formulations.cascade.force_center import balanced_contacts
 from ghc_controller.hierarchy import Priorities
-from ghc_controller.problem.reduction import reduce_contacts
 
 
 def _at_rest(rng: np.random.Generator, levels: int) -> ControlProblem:
@@ -33,7 +32,7 @@ def test_standing_without_task_errors_asks_for_nothing(levels: int) -> None:
 
 
 def test_forces_are_those_of_least_cost() -> None:
-    """Where no bound is active they minimise (f - f_0)^T H (f - f_0) for their accelerations."""
+    """Where no bound is active they minimize (f - f_0)^T H (f - f_0) for their accelerations."""
     rng = np.random.default_rng(62)
     seen = 0
     for _ in range(20):
@@ -42,7 +41,7 @@ def test_forces_are_those_of_least_cost() -> None:
         if solution.qp_solved:
             continue
         seen += 1
-        _, forces = balanced_contacts(reduce_contacts(problem))
+        _, forces = balanced_contacts(problem)
         assert problem.contacts is not None
         pull = np.linalg.inv(problem.contacts.force_factor)
         gradient = pull.T @ pull @ (solution.force - problem.contacts.force_center)

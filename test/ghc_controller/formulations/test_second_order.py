@@ -48,14 +48,14 @@ def _problem(
 
 @pytest.mark.parametrize("name", TAKES_IT)
 def test_a_single_level_minimizes_its_cost_with_the_term(name: str) -> None:
-    """Seed 0: the gradient of |J x - b|^2 + (x + kd v)^T S (x + kd v) + w |x + kd v|^2 is 0."""
+    """Seed 0: the gradient of |J x - b|^2 + (x + kd v)^T S (x + kd v) + w |x + kd/4 v|^2 is 0."""
     rng = np.random.default_rng(0)
     for _ in range(10):
         problem = _problem(rng, [3])
         assert problem.second_order is not None
         x = make_formulation(name, SETTINGS).solve(problem).acceleration
         J, b, v, S = problem.jacobian, problem.target, problem.velocity, problem.second_order.own
-        gradient = J.T @ (J @ x - b) + S[0] @ (x + RATE * v) + W * (x + KD * v)
+        gradient = J.T @ (J @ x - b) + S[0] @ (x + RATE * v) + W * (x + 0.25 * KD * v)
         assert np.abs(gradient).max() < 1e-8
 
 

@@ -34,7 +34,7 @@ def _optimum(problem: ControlProblem, kd: float) -> Array:
 
 @pytest.mark.parametrize("name", DAMPED)
 def test_one_task_is_damped_towards_rest(name: str) -> None:
-    """x minimises |J x - b|^2 + w |x + kd v|^2: 20 problems."""
+    """x minimizes |J x - b|^2 + w |x + kd v|^2: 20 problems."""
     rng = np.random.default_rng(31)
     settings = FormulationSettings(regularization=W, velocity_damping=KD)
     for _ in range(20):

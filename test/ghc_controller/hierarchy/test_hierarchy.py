@@ -31,8 +31,6 @@ def test_strict_string() -> None:
     """`a > b`: alpha[b, a] = 1 and alpha[a, b] = 0, for every pair down the string."""
     matrix = matrix_from_hierarchy(TASKS, "posture > elbow > end_effector")
     assert np.array_equal(matrix.alpha, [[0, 1, 1], [0, 0, 1], [0, 0, 0]])
-    assert matrix.strictly_dominates("posture", "end_effector")
-    assert not matrix.strictly_dominates("end_effector", "posture")
 
 
 def test_equal_tasks_share_the_compromise() -> None:
@@ -129,14 +127,14 @@ def test_profiles_rise_from_zero_to_one(profile: Profile) -> None:
 
 
 def test_unknown_profile_lists_the_known() -> None:
-    """The refusal names the profiles that exist."""
+    """The rejection names the profiles that exist."""
     with pytest.raises(GhcError, match="cosine, linear, minimum_jerk"):
         Profile.parse("cubic")
 
 
 @pytest.mark.parametrize("duration", [-1.0, float("nan"), float("inf")])
 def test_bad_duration(duration: float) -> None:
-    """Negative or non-finite durations are refused with the value."""
+    """Negative or non-finite durations are rejected with the value."""
     with pytest.raises(GhcError, match="duration"):
         _to("elbow", 0.0, duration)
 
@@ -250,7 +248,7 @@ def test_repeat_of_the_active_target_is_recognised() -> None:
 
 
 def test_unsolvable_target_is_refused() -> None:
-    """Where [P_1 .. P_k] loses rank on the ramp the refusal cites eq. 13b and the tasks."""
+    """Where [P_1 .. P_k] loses rank on the ramp the rejection cites eq. 13b and the tasks."""
     start = matrix_from_hierarchy(TASKS, "end_effector > elbow > posture")
     schedule = TransitionSchedule(start, lambda alpha: float(1.0 - np.diag(alpha).min()))
     circle = PriorityMatrix(TASKS, np.ones((3, 3)) - np.diag([0.0, 0.0, 1e-4]))

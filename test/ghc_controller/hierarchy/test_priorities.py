@@ -12,6 +12,7 @@ import pytest
 from ghc_controller.errors import GhcError
 from ghc_controller.hierarchy import (
     Candidate,
+    Priorities,
     PriorityMatrix,
     Profile,
     Transition,
@@ -230,4 +231,35 @@ def test_another_ramp_to_the_same_target_is_no_repeat(change: dict[str, Any]) ->
     assert schedule.is_repeat(replace(first, start=0.5))
     assert not schedule.is_repeat(replace(first, start=0.5, **change))
     schedule.advance(2.0)
-    assert schedule.is_repeat(replace(first, start=2.0, **change))  # the target is in force
+    assert schedule.is_repeat(replace(first, start=2.0, **change))  # the target is active
+
+
+def _held(share: float) -> Priorities:
+    pairs = ((ORDERS[0].alpha, 1.0 - share), (ORDERS[5].alpha, share))
+    return Priorities.mixed(Candidate(*pair) for pair in pairs if pair[1] > 0.0)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_held_priorities_are_in_force_until_a_transition_starts(share: float) -> None:
+    """For every reader alike; a ramp that ran is left, and the next one begins at them."""
+    schedule = _schedule()
+    schedule.add(Transition(ORDERS[7], 0.0, 1.0), 0.0)
+    schedule.advance(0.5)
+    events = schedule.hold(_held(share), 0.5)
+    assert [event.phase for event in events] == [TransitionPhase.PREEMPTED]
+    for time in (0.5, 0.6, 2.0):
+        assert schedule.advance(time) == []
+        matrices, shares = schedule.mixture
+        found = list(zip(matrices, shares, strict=True))
+        wanted = _held(share).candidates
+        for one in (found, schedule.in_force.candidates, schedule.pace(time, PERIOD).candidates):
+            np.testing.assert_array_equal([each[0] for each in one], [c.alpha for c in wanted])
+            assert [each[1] for each in one] == pytest.approx([c.share for c in wanted])
+        assert np.abs(schedule.alpha - _held(share).alpha).max() < 1e-12
+    back = Transition(ORDERS[0], 2.0, 1.0)
+    assert schedule.is_repeat(back) == (share == 0.0)
+    schedule.add(back, 2.0)
+    schedule.advance(2.0)
+    assert np.abs(schedule.alpha - _held(share).alpha).max() < 1e-12
+    schedule.advance(3.0)
+    assert np.array_equal(schedule.alpha, ORDERS[0].alpha)

@@ -9,8 +9,9 @@ import pytest
 
 import ghc_controller as ghc
 from ghc_controller.constraints import Constraint, Rows, Softness, Space, Tick
+from ghc_controller.core.native import motion_of
 from ghc_controller.errors import InvalidValue, UnknownName
-from ghc_controller.previews.limits_in_force import LimitsInForce, motion_of
+from ghc_controller.previews.limits_in_force import LimitsInForce
 from ghc_controller.previews.preview import JOINT_LIMITS, TORQUE_LIMITS, Preview, StaleRule
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array
@@ -77,6 +78,8 @@ def test_unknown_joints_are_left_out_and_the_rest_is_followed() -> None:
         (JOINT_LIMITS, [1.0, -0.6, 1.0], -0.5),  # crossed
         (JOINT_LIMITS, [9.0, 9.0, 9.0], 4.0),  # all that the file allows is excluded
         (TORQUE_LIMITS, [-0.1, -0.1, -0.1], -0.5),  # excludes zero
+        (TORQUE_LIMITS, [1.0, np.nan, 1.0], -0.5),
+        (JOINT_LIMITS, [1.0, 1.0, 1.0], np.nan),
     ],
 )
 def test_limits_that_cannot_be_kept_are_rejected_and_those_before_stay(
@@ -174,3 +177,17 @@ def test_a_constraint_of_ones_own_follows_previews_of_its_kind() -> None:
     assert controller.step(state).solution.acceleration[0] == pytest.approx(free, abs=1e-6)
     with pytest.raises(InvalidValue, match="two constraints follow previews of kind 'weather'"):
         ghc.Controller(replace(robot, constraints=(Weather("one"), Weather("two"))))
+
+
+def test_braking_uses_each_side_of_a_torque_limit() -> None:
+    """One that leaves a joint no positive torque takes nothing of the negative one."""
+    settings = ghc.Settings.of(torque_rate_limit=0.0)
+    controller = ghc.Controller.for_robot("kuka_lwr", settings)
+    state = ghc.RobotState(0.0, np.full(7, 0.4), np.zeros(7))
+    free = controller.brake(state)
+    place = int(np.argmin(free))
+    assert free[place] < -1.0
+    name = controller.model.joint_names[place]
+    for lower, upper, expected in ((-300.0, 0.0, free[place]), (-1.0, 9.0, -1.0)):
+        controller.follow(_preview([upper] * 3, lower, (name,), kind=TORQUE_LIMITS))
+        assert controller.brake(state)[place] == pytest.approx(expected, abs=1e-9)

@@ -9,12 +9,12 @@ import pytest
 from hard_problems import hard_problem, violation
 
 from ghc_controller.controller import Controller
+from ghc_controller.core.native import cholesky, inverse_factor
 from ghc_controller.formulations import (
     FormulationSettings,
     SolutionStatus,
     make_formulation,
 )
-from ghc_controller.numerics.small_factors import cholesky, inverse_factor
 from ghc_controller.qp import VIOLATION_TOLERANCE, make_solver
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.report.report import StepStatus

@@ -1,4 +1,4 @@
-"""Motion that keeps contacts, and rows of the QP: compiled loops against plain formulas."""
+"""Motion that keeps contacts, and rows of the QP: the core against plain formulas."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from random_problems import random_problem, strict_alpha
 
+from ghc_controller.core import native
+from ghc_controller.problem.control_problem import AccelerationRows, ContactRows
 from ghc_controller.problem.reduction import kept_by_contacts, null_motion, reduce_contacts
-from ghc_controller.problem.reduction_kernels import null_motion_qr
-from ghc_controller.problem.row_kernels import stacked_rows
+from ghc_controller.types import Array
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -17,7 +18,7 @@ def test_null_motion_meets_the_rows_with_the_least_motion(seed: int) -> None:
     n = int(rng.integers(4, 39))
     q = int(rng.integers(1, n))
     rows, target = rng.normal(size=(q, n)), rng.normal(size=q)
-    independent, least, basis = null_motion_qr(rows, target)
+    independent, least, basis = native.null_motion(rows, target)
     assert independent
     assert basis.shape == (n, n - q)
     np.testing.assert_allclose(rows @ least, target, atol=1e-9)
@@ -31,7 +32,7 @@ def test_rows_that_depend_on_others_are_told_and_met_as_well_as_can_be() -> None
     rows = rng.normal(size=(4, 9))
     rows[3] = rows[0] + rows[1]
     target = rng.normal(size=4)
-    assert not null_motion_qr(rows, target)[0]
+    assert not native.null_motion(rows, target)[0]
     least, basis = null_motion(rows, target)
     assert basis.shape == (9, 6)
     np.testing.assert_allclose(rows @ basis, 0.0, atol=1e-10)
@@ -42,28 +43,44 @@ def test_rows_that_depend_on_others_are_told_and_met_as_well_as_can_be() -> None
 def test_rows_hold_where_the_quantities_are_inside_their_bounds(in_contact: bool) -> None:
     """Row by row: (bound - row s) times its norm is the room that x, f and tau have left."""
     rng = np.random.default_rng(5)
-    n, d, c, a, p, g, r = 7, 4 if in_contact else 7, 3, 7, 6, 2, 5
-    basis = rng.normal(size=(n, d)) if in_contact else np.zeros((0, n))
-    offset = rng.normal(size=n) if in_contact else np.zeros(0)
+    n, d, c, a, p, g, r, soft = 7, 4 if in_contact else 7, 3, 7, 6, 3, 5, 2
+    basis, offset = rng.normal(size=(n, d)), rng.normal(size=n)
     y0, factor = rng.normal(size=d), rng.normal(size=(d, p))
     f0, force_factor = rng.normal(size=c), rng.normal(size=(c, p))
     general, force_matrix = rng.normal(size=(g, n)), rng.normal(size=(r, c))
+    general_force = rng.normal(size=(g, c))
     torque = rng.normal(size=(a, d)), rng.normal(size=a), rng.normal(size=(a, c))
     lower = [rng.normal(size=size) for size in (n, g, r, a)]
     upper = [low + 1.0 for low in lower]
-    rows, low, high, norm = stacked_rows(
-        *(basis, offset, y0, factor, f0, force_factor, lower[0], upper[0]),
-        *(general, lower[1], upper[1], force_matrix, lower[2], upper[2]),
-        *(*torque, lower[3], upper[3]),
+    none = np.zeros(0)
+    rows, low, high, norm = native.qp_rows(
+        basis if in_contact else None,
+        offset if in_contact else None,
+        (y0, factor, f0, force_factor),
+        lower[0],
+        upper[0],
+        AccelerationRows(general, lower[1], upper[1], (), general_force),
+        soft,
+        ContactRows(none, none, none, force_matrix, lower[2], upper[2], f0, none, ()),
+        *torque,
+        lower[3],
+        upper[3],
     )
     s = rng.normal(size=p)
     y, f = y0 + factor @ s, f0 + force_factor @ s
     x = offset + basis @ y if in_contact else y
     tau = torque[0] @ y + torque[1] + torque[2] @ f
-    value = np.concatenate([x, general @ x, force_matrix @ f, tau])
+    of_general = general @ x + general_force @ f
+    value = _in_order(soft, x, of_general, force_matrix @ f, tau)
+    least, most = _in_order(soft, *lower), _in_order(soft, *upper)
     np.testing.assert_allclose(np.linalg.norm(rows, axis=1), 1.0, atol=1e-12)
-    np.testing.assert_allclose((rows @ s - low) * norm, value - np.concatenate(lower), atol=1e-9)
-    np.testing.assert_allclose((high - rows @ s) * norm, np.concatenate(upper) - value, atol=1e-9)
+    np.testing.assert_allclose((rows @ s - low) * norm, value - least, atol=1e-9)
+    np.testing.assert_allclose((high - rows @ s) * norm, most - value, atol=1e-9)
+
+
+def _in_order(soft: int, x: Array, general: Array, force: Array, tau: Array) -> Array:
+    """Rows as they are stacked: those that are never relaxed come last."""
+    return np.concatenate([x, general[:soft], force, tau, general[soft:]])
 
 
 def test_transitions_are_judged_in_the_accelerations_that_contacts_leave() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
+from ghc_controller.core import native
 from ghc_controller.errors import WrongSize
 from ghc_controller.qp import (
     SOLVERS,
@@ -55,6 +56,19 @@ def _random_qp(rng: np.random.Generator, n: int, equalities: int, rows: int) -> 
         middle - 1.0,
         middle + 1.0,
     )
+
+
+@pytest.mark.parametrize("part", ["b", "row"])
+def test_a_number_that_is_none_ends_the_dual_method_as_failed(part: str) -> None:
+    """No row blocks the step then, and there is none to be taken out."""
+    matrix, right = np.array([[1.0, 0.5]]), np.array([0.3])
+    (right if part == "b" else matrix).flat[0] = np.nan
+    none, empty = np.zeros((0, 2)), np.zeros(0)
+    end, pivots, *_ = native.solve_dual(
+        np.eye(2), np.ones(2), matrix, right, none, empty, empty, 50
+    )
+    assert end == 3
+    assert pivots <= 1
 
 
 @pytest.mark.parametrize("solver", [*SOLVERS, "dual"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +16,7 @@ from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.robot.library import find_robot, load_robot
 from ghc_controller.robot.robot import Robot
 from ghc_controller.robot.task_entries import frame_pose
+from ghc_controller.tasks.python.local_frame import LocalPositionTask
 from ghc_controller.types import Array, RobotState
 
 Q = np.array([0.1, 0.1, 0.2, 1.2, -0.5, -0.8, 0.0])
@@ -179,3 +181,55 @@ def test_a_turned_target_is_a_rotation_about_world_axes() -> None:
     turn = np.array([0.0, 0.0, 0.3])
     origin = rotation_exp(np.array([0.4, 0.0, 0.0]))
     assert np.allclose(difference(moved(origin, turn, True), origin, True), turn)
+
+
+@pytest.mark.parametrize("within_reach", [True, False])
+def test_a_floating_base_stays_where_a_motion_begins(within_reach: bool) -> None:
+    """iCub's hand meets its target with the base held, or looks for a better posture: joints that
+    do not move it stay. Points differ as their velocities say."""
+    robot = load_robot("icub")
+    task = next(task for task in robot.tasks if task.name == "left_hand")
+    reference = ReachableReference(robot, [task.name])
+    q = robot.model.q.copy()
+    q[:3] += (0.3, -0.2, 0.6)
+    arm = {"l_shoulder_pitch": -0.5, "l_shoulder_roll": 0.5, "l_elbow": 1.0}
+    for name, value in arm.items():
+        q[7 + robot.model.joint_names.index(name)] = value
+    state = RobotState(0.0, q, np.zeros(robot.model.nv))
+    robot.model.update(q, state.v)
+    way = np.array([0.02, 0.03, 0.05])
+    target = task.current(robot.model) + (way if within_reach else 20.0 * way)
+    motion: list[Array] = []
+    sent: list[ReferenceTrajectory] = []
+    for k in range(250 if within_reach else 450):
+        now = k * PLAN
+        reference.add(task.name, target, now, now)
+        sent += reference.plan(RobotState(now, q, state.v))
+        motion.append(reference.joint_motion)
+    rows = np.concatenate(motion)
+    assert rows.shape[2] == robot.model.na
+    assert (np.abs(rows[:, 2]) <= reference.limits.acceleration + 1e-9).all()
+    other = ("l_hip", "l_knee", "l_ankle", "r_", "neck")
+    still = [name.startswith(other) for name in robot.model.joint_names]
+    assert np.abs(rows[:, 1, still]).max() < 1e-9
+    q[-robot.model.na :] = rows[-1, 0]
+    robot.model.update(q, state.v)
+    assert (np.abs(task.current(robot.model) - target).max() < 1e-3) == within_reach
+    pairs = ((each, each.velocity) for each in sent if each.velocity is not None)
+    moving, velocity = max(pairs, key=lambda pair: np.abs(pair[1]).max())
+    mean = 0.5 * (velocity[1:3] + velocity[:2])
+    steps = np.diff(moving.position[:3], axis=0) / np.diff(moving.times[:3])[:, None]
+    assert np.abs(steps - mean).max() < 1e-3 * np.abs(mean).max() + 1e-5
+
+
+def test_references_of_a_task_in_the_axes_of_its_frame_are_those_of_the_world() -> None:
+    """Its rows turn with the tool, positions and velocities of its references do not."""
+    kuka = load_robot("kuka_lwr")
+    local = LocalPositionTask(TASK, kuka.model, "tool", 30.0, 20.0)
+    robots = [replace(kuka, tasks=(task,), hierarchy=TASK) for task in (kuka.tasks[0], local)]
+    targets = [(0.0, _position(Q) + [0.1, 0.0, 0.0])]
+    runs = [_run(ReachableReference(robot, [TASK]), targets, 0.3)[1] for robot in robots]
+    assert np.abs(runs[0][-1].velocity).max() > 0.05
+    for world, turned in zip(*runs, strict=True):
+        assert np.allclose(turned.velocity, world.velocity, atol=1e-9)
+        assert np.allclose(turned.acceleration, world.acceleration, atol=1e-9)

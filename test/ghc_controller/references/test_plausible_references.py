@@ -1,4 +1,4 @@
-"""References that cannot be meant are refused, by task and field; wide ones go through."""
+"""References that cannot be meant are rejected, by task and field; wide ones go through."""
 
 from __future__ import annotations
 

@@ -23,6 +23,23 @@ def test_csv_columns_go_by_their_names(tmp_path: Path) -> None:
     )
 
 
+def test_csv_columns_may_stand_in_any_order(tmp_path: Path) -> None:
+    """As those of a quaternion that others write with w first."""
+    text = "velocity_z,qw,qx,qy,qz,z,y,x,velocity_x,velocity_y,time\n3,0.9,1,2,3,6,5,4,1,2,0\n"
+    (point,) = read_points(_file(tmp_path, "path.csv", text)).points
+    assert point == Point(0.0, (4.0, 5.0, 6.0, 1.0, 2.0, 3.0, 0.9), (1.0, 2.0, 3.0))
+    text = "time,b,a,wrench_a,wrench_b\n0,2,1,10,20\n"
+    points = read_points(_file(tmp_path, "path.csv", text))
+    assert points == Points((Point(0.0, (2.0, 1.0), wrench=(20.0, 10.0)),), ("b", "a"))
+
+
+@pytest.mark.parametrize("double", ["x", "time", "velocity_x"])
+def test_a_column_that_is_given_twice_is_refused(tmp_path: Path, double: str) -> None:
+    file = _file(tmp_path, "path.csv", f"time,x,velocity_x,{double}\n0,1,2,3\n")
+    with pytest.raises(ConfigurationError, match=f"column '{double}' given twice"):
+        read_points(file)
+
+
 def test_other_columns_of_positions_are_joints(tmp_path: Path) -> None:
     points = read_points(_file(tmp_path, "path.csv", "time,joint_2,joint_1\n0,0.2,0.1\n"))
     assert points == Points((Point(0.0, (0.2, 0.1)),), ("joint_2", "joint_1"))

@@ -74,3 +74,15 @@ def test_every_reference_ends_exactly_once() -> None:
         ended += [name for name, _ in _ends(progress, now)]
     ended += [name for name, _ in _ends(progress, now + 5.0)]
     assert sorted(ended, key=int) == [str(k) for k in range(200)]
+
+
+def test_one_that_started_before_that_in_force_is_never_done() -> None:
+    """It came later, and the schedule does not follow it: neither a point nor a done path ends."""
+    for in_force in (_reference(5.0), _reference(5.0, 0.0, 0.5)):
+        progress = ReferenceProgress()
+        progress.add("in force", in_force)
+        progress.advance(6.0)
+        progress.add("late", _reference(3.0, 0.0, 9.0))
+        progress.add("over", _reference(3.0, 0.0, 1.0))
+        assert sorted(_ends(progress, 6.0)) == [("late", "REPLACED"), ("over", "REPLACED")]
+        assert progress.advance(20.0) == []

@@ -131,7 +131,7 @@ def test_ends_are_held_at_rest(space: ReferenceSpace) -> None:
 
 
 def test_one_point_is_a_static_target() -> None:
-    """A point, with its wrench, for ever."""
+    """A point, with its wrench, indefinitely."""
     trajectory = ReferenceTrajectory(
         "hand",
         ReferenceSpace.VECTOR,
@@ -202,7 +202,7 @@ def test_errors_name_task_field_given_and_expected(changes: dict[str, Any], mess
 
 
 def test_a_quaternion_must_have_unit_length() -> None:
-    """Nearly unit ones are normalised, others refused with their length."""
+    """Nearly unit ones are normalized, others rejected with their length."""
     points = np.array([[0.0, 0.0, 0.0, 1.0005]])
     space = ReferenceSpace.ORIENTATION
     trajectory = ReferenceTrajectory("hand", space, 3, np.zeros(1), points)

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from ghc_controller.errors import ConfigurationError
-from ghc_controller.robot.first_files.choices import FIRST_TORQUE
+from ghc_controller.robot.first_files.choices import FIRST_TORQUE, Choices
 from ghc_controller.robot.first_files.new_robot import main, write_first_files
 from ghc_controller.robot.library import find_robot, load_robot
 
@@ -23,6 +23,7 @@ def _urdf() -> Path:
 def test_the_files_of_an_arm_load_and_its_targets_are_reached_together(tmp_path: Path) -> None:
     """The posture behind both targets is within limits; targets are no farther than it says."""
     chosen = write_first_files(_urdf(), tmp_path / "arm", "arm")
+    assert isinstance(chosen, Choices)
     robot = load_robot(tmp_path / "arm")
     assert robot.task_names == ("end_effector", "elbow", "posture")
     model = robot.model
@@ -61,6 +62,7 @@ def test_names_that_yaml_would_read_as_something_else_are_quoted(tmp_path: Path)
 
 def test_the_start_is_away_from_singular_postures(tmp_path: Path) -> None:
     chosen = write_first_files(_urdf(), tmp_path / "arm", "arm")
+    assert isinstance(chosen, Choices)
     model = load_robot(tmp_path / "arm").model
 
     def least(q: np.ndarray) -> float:
@@ -102,6 +104,6 @@ def test_what_it_cannot_serve_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
         """,
         encoding="utf-8",
     )
-    with pytest.raises(ConfigurationError, match="carried by three joints, at most 1"):
+    with pytest.raises(ConfigurationError, match="moved by three joints, at most 1"):
         write_first_files(pendulum, tmp_path / "pendulum", "pendulum")
     assert not (tmp_path / "pendulum").exists()

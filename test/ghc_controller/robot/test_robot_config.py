@@ -16,12 +16,12 @@ from ghc_controller.tasks.frame import FramePositionTask
 
 URDF = """<robot name="two"><link name="base"/>
 <link name="upper"><inertial><mass value="1"/>
-<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <link name="lower"><inertial><mass value="1"/>
-<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hip" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
 <limit lower="-1" upper="1" velocity="2" effort="3"/></joint>
-<joint name="knee" type="revolute"><origin xyz="1 0 0"/><parent link="upper"/>
+<joint name="knee" type="revolute"><origin xyz="0.1 0 0"/><parent link="upper"/>
 <child link="lower"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" velocity="2" effort="3"/>
 </joint></robot>"""
 
@@ -201,6 +201,29 @@ def test_a_file_that_is_missing_or_no_yaml(tmp_path: Path) -> None:
         load_robot_config(path)
     path.write_text("- a\n- b\n")
     with pytest.raises(ConfigurationError, match=r"bad\.yaml: a mapping expected"):
+        load_robot_config(path)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "[" * 200_000,
+        "- " * 200_000,
+        "{a: " * 101,
+        "9" * 5000,
+        "2001-99-99",
+        "!!int x",
+        "!!bool x",
+        "!!float ''",
+        "!!timestamp x",
+    ],
+    ids=lambda value: value[:12],
+)
+def test_what_the_loader_cannot_take_is_no_yaml(value: str, tmp_path: Path) -> None:
+    """Too deep for its stack, or a tag that its value does not have."""
+    path = tmp_path / "bad.yaml"
+    path.write_text(f"name: arm\nurdf:\n  {value}\n", encoding="utf-8")
+    with pytest.raises(ConfigurationError, match=r"bad\.yaml: not valid YAML: "):
         load_robot_config(path)
 
 

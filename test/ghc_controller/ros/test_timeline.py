@@ -114,7 +114,7 @@ def test_the_gate_answers_the_true_states_around_a_forged_one() -> None:
 def test_a_run_begins_with_the_first_of_its_states_that_is_answered(
     companions: tuple[str, ...],
 ) -> None:
-    """Those before it were refused, by a joint outside its limits for example."""
+    """Those before it were rejected, by a joint outside its limits for example."""
     gate: StateGate[str] = StateGate(companions)
     start = 2000 * MS
 
@@ -133,9 +133,23 @@ def test_a_run_begins_with_the_first_of_its_states_that_is_answered(
     gate.timeline.announce(1, start)
     for k in range(3):
         assert state(start + k * MS) is StateDisposition.NEW_EPOCH
-        gate.forget()  # refused
+        gate.forget()  # rejected
     gate.answered(start + 2 * MS)
     assert state(start + 3 * MS) is StateDisposition.NEW
+
+
+def test_companions_with_forged_stamps_do_not_hide_the_true_one() -> None:
+    """Several between the companion of a state and the state, before and behind it."""
+    gate: StateGate[str] = StateGate(("odom",))
+    for k in range(50):
+        gate.companion("odom", k * MS, np.full(13, float(k)))
+        for stamp in (-1, k * MS + 3600_000 * MS, 2**62):
+            assert gate.companion("odom", stamp + k, np.full(13, -1.0)) is None
+        assert gate.state("true", k * MS) is StateDisposition.NEW
+        assert gate.companions_of(k * MS)["odom"][0] == k
+        gate.answered(k * MS)
+    assert gate.state("true", 50 * MS) is StateDisposition.WAITING
+    assert gate.companions_of(50 * MS) == {}
 
 
 @pytest.mark.parametrize(("epoch", "start_ms"), [(0, 0), (1, 0), (2, 7000)])

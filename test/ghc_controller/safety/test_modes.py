@@ -1,4 +1,4 @@
-"""Modes: what leads from one to the other, and what is refused in each."""
+"""Modes: what leads from one to the other, and what is rejected in each."""
 
 from __future__ import annotations
 
@@ -15,12 +15,16 @@ def _started(arming: Arming) -> tuple[ModeLogic, list[Mode]]:
     return logic, seen
 
 
-def test_the_first_accepted_request_arms() -> None:
-    logic, seen = _started(Arming.REQUEST)
+@pytest.mark.parametrize("arming", [Arming.REQUEST, Arming.AUTOMATIC])
+def test_the_first_accepted_request_arms(arming: Arming) -> None:
+    """Also one that was asked to hold: a request is followed in no other mode than active."""
+    logic, seen = _started(arming)
+    logic.hold()
+    assert seen[-1] is Mode.HOLDING
     assert logic.refusal() == ""
     logic.requested()
     logic.requested()
-    assert seen == [Mode.HOLDING, Mode.ACTIVE]
+    assert seen[-2:] == [Mode.HOLDING, Mode.ACTIVE]
 
 
 def test_explicit_arming_refuses_requests_until_then() -> None:

@@ -49,6 +49,11 @@ def test_the_first_report_is_believed_near_the_holding_torque_only() -> None:
     np.testing.assert_allclose(anchor.first(holding + 1.0, holding), holding + 1.0)
     lie = anchor.first(np.full(7, 1e4), holding)
     np.testing.assert_allclose(lie, holding + FIRST_SHARE * LIMIT)
+    part = holding + 1.0
+    part[2:4] = np.nan, np.inf
+    expected = holding + 1.0
+    expected[2:4] = holding[2:4]
+    np.testing.assert_allclose(anchor.first(part, holding), expected)
 
 
 @pytest.mark.parametrize("floating", [False, True])
@@ -86,3 +91,10 @@ def test_forged_efforts_never_move_a_torque_by_more_than_the_rate() -> None:
         if before is not None:
             assert np.abs(torque - before).max() <= STEP + 1e-9
         before = torque
+
+
+def test_a_period_longer_than_a_hold_without_a_rate_limit_has_an_anchor() -> None:
+    anchor = RateAnchor(LIMIT, np.full(7, np.inf), 0.025)
+    anchor.first(None, np.zeros(7))
+    anchor.sent(np.full(7, 5.0), 1.0)
+    np.testing.assert_array_equal(anchor.at(1.025, np.zeros(7)), np.full(7, 5.0))

@@ -10,7 +10,7 @@ from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.schema.reader import Fields
-from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
+from ghc_controller.tasks.python.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.tasks.registry import make_task
 from ghc_controller.types import Array, TaskTarget
 
@@ -70,7 +70,7 @@ def test_far_from_the_obstacle_the_frame_comes_to_rest() -> None:
 
 
 def test_reference_is_the_position_of_the_obstacle() -> None:
-    """Three numbers for one row, interpolated as those of a position; others are refused."""
+    """Three numbers for one row, interpolated as those of a position; others are rejected."""
     model = make_model("kuka_lwr")
     task = _task(model)
     assert (task.size, task.position_size, task.reference_size) == (1, 3, 3)

@@ -10,7 +10,7 @@ from model_states import ROBOTS, make_model, moved, random_state, rows_of
 from ghc_controller.errors import InvalidValue, UnknownName, WrongSize
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.numerics.rotation import quaternion_product, rotation_exp
-from ghc_controller.tasks import Task, task_kinds
+from ghc_controller.tasks import TASKS, Task
 from ghc_controller.tasks.center_of_mass import CenterOfMassTask
 from ghc_controller.tasks.frame import FrameOrientationTask, FramePoseTask, FramePositionTask
 from ghc_controller.tasks.posture import PostureTask
@@ -187,7 +187,7 @@ def test_gains_may_differ_per_row() -> None:
 
 
 def test_errors_name_the_task_the_field_and_what_was_expected() -> None:
-    """Wrong gains, frames and targets are refused where they enter."""
+    """Wrong gains, frames and targets are rejected where they enter."""
     model = make_model("kuka_lwr")
     with pytest.raises(UnknownName, match=r"unknown frame 'fist'; known: "):
         FramePositionTask("hand", model, "fist", STIFFNESS, DAMPING)
@@ -206,7 +206,7 @@ def test_errors_name_the_task_the_field_and_what_was_expected() -> None:
 
 def test_every_kind_of_the_folder_is_known() -> None:
     """The registry finds each file without being told."""
-    assert set(task_kinds()) >= {
+    assert set(TASKS) >= {
         "frame_position",
         "frame_orientation",
         "frame_pose",

@@ -1,4 +1,4 @@
-"""Contact schedules: what is refused and why; previews that no straight line leaves."""
+"""Contact schedules: what is rejected and why; previews that no straight line leaves."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_lines_between_points_stay_inside_the_schedule() -> None:
         fine = (np.arange(600) + 0.37) * 0.0005  # none of them on a point
         inside = np.array([schedule.at(time) for time in fine])
         lower, upper = (np.interp(fine, points, value) for value in (raw.lower, raw.upper))
-        # Where neighbouring entries have no force in common no line can be inside both.
+        # Where neighboring entries have no force in common no line can be inside both.
         reach = 2 * horizon.step
         torn = [
             schedule.lower[i : i + 2].max() > schedule.upper[i : i + 2].min()

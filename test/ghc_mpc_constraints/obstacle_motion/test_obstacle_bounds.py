@@ -164,7 +164,7 @@ class _NoSolution:
 def test_without_a_solution_the_plan_is_held_then_the_closest_position_taken() -> None:
     generator = ObstacleBounds(ObstacleSettings())
     good = _run(generator, np.full(100, 0.3))[-1].motions[0].trajectory(STEP)
-    generator._qp = _NoSolution()  # type: ignore[assignment]
+    generator._planner.qp = _NoSolution()  # type: ignore[assignment]
     for k in range(1, 400):
         if k % 10 == 0:
             generator.observe([_seen(0.3)], 0.99 + k * STEP)

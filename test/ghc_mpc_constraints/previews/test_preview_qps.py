@@ -77,8 +77,12 @@ def test_second_opinion_where_the_structured_solve_gives_up(
     state = np.array([0.4, 0.0, 0.0])
     before = force.solve((lower[0], upper[0]), lower, upper)
     jerk = motion.solve(state, raw, np.ones(STEPS), raw)
-    monkeypatch.setattr(force_bound_qp, "_solve", lambda *_: (np.full((2, STEPS), np.nan), False))
-    monkeypatch.setattr(motion_qp, "_solve", lambda *_: (np.full(STEPS, np.nan), False))
+    monkeypatch.setattr(
+        force_bound_qp.native, "force_bounds", lambda *_: (np.full((2, STEPS), np.nan), False)
+    )
+    monkeypatch.setattr(
+        motion_qp.native, "bounded_motion", lambda *_: (np.full(STEPS, np.nan), False)
+    )
     after = force.solve((lower[0], upper[0]), lower, upper)
     assert before is not None
     assert after is not None

@@ -51,7 +51,7 @@ def _upper_after_a_restart(pause: float, waits: bool) -> np.ndarray:
 
 @pytest.mark.parametrize("pause", [0.0, 0.03, 0.15])
 def test_a_schedule_that_was_replaced_is_not_followed(pause: float) -> None:
-    """20 N are in force and asked for; the schedule of 60 N before that comes first."""
+    """20 N are active and asked for; the schedule of 60 N before that comes first."""
     assert (_upper_after_a_restart(pause, waits=True) == IN_FORCE).all()
 
 

@@ -40,7 +40,7 @@ def test_missing_partner_says_which_state_and_why() -> None:
     assert "'joint_commands'" in asked and "t = 1.234000 s (epoch 2)" in asked
     assert "controller running" in asked
     refused = str(lockstep.missing("joint_commands", 2, 1.5, "effort: joint_3 is nan"))
-    assert "refused: effort: joint_3 is nan" in refused
+    assert "rejected: effort: joint_3 is nan" in refused
 
 
 def test_pacer_keeps_the_wall_clock_on_average() -> None:

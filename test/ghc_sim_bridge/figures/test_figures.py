@@ -8,12 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_up_run import DT, made_up
+from PIL import Image
 
 from ghc_sim_bridge.analysis.phase_table import outcome_lines, phase_table
 from ghc_sim_bridge.analysis.summary import make_summary, rounded, write_json
+from ghc_sim_bridge.colors import PALETTE, rgb
 from ghc_sim_bridge.figures.comparison import torque_comparison
 from ghc_sim_bridge.figures.run import run_figures
-from ghc_sim_bridge.figures.style import envelope, run_title, save_png, short_hierarchy
+from ghc_sim_bridge.figures.style import (
+    envelope,
+    new_figure,
+    run_title,
+    save_png,
+    short_hierarchy,
+    styled,
+)
 from ghc_sim_bridge.figures.tasks import alpha_panels
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 from ghc_sim_bridge.scenario.plan import RunOptions
@@ -198,3 +207,17 @@ def test_a_path_is_drawn_of_three_axes_alone(tmp_path: Path) -> None:
     flat = replace(first, reference=first.reference[:, :2], position=first.position[:, :2])
     analysis = replace(analysis, history=replace(history, tasks=(flat, *others)))
     assert "path_end_effector" not in run_figures(analysis, trace)
+
+
+def test_a_file_keeps_the_colors_of_few_pixels(tmp_path: Path) -> None:
+    """A curve that others hide has its color at least in the legend, which tells them apart."""
+    path, figure = tmp_path / "many.png", new_figure(6.0, 3.0)
+    with styled():
+        ax = figure.subplots()
+        ax.imshow(np.random.default_rng(0).random((40, 40, 3)))
+        for index, color in enumerate(PALETTE):
+            ax.plot(3.0 * index, 20.0, "s", ms=4.0, mew=0.0, color=color)
+    save_png(figure, path)
+    with Image.open(path) as image:
+        found = {color for _, color in image.convert("RGB").getcolors(1 << 24) or []}
+    assert {rgb(index) for index in range(len(PALETTE))} <= found

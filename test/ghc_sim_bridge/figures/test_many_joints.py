@@ -1,4 +1,5 @@
-"""Figures of a robot of ten joints, two of which slide: all named, told apart, in their units."""
+"""Figures of a robot of ten joints, two of which slide: all named, distinguished, in their
+units."""
 
 from __future__ import annotations
 

@@ -52,12 +52,13 @@ def test_totals_count_per_scenario_and_side() -> None:
     runs_done = [
         RunStatus("a", False, 0, stays_up=True),
         RunStatus("a", True, 0, stays_up=True),
-        RunStatus("a", False, 1),
+        RunStatus("a", False, 1, fallback_ticks=3),
         RunStatus("a", True, 1, stays_up=True),
     ]
     off, on = tally(runs_done)
     assert (off.runs, off.stay_up, off.fallen_seeds) == (2, 1, (1,))
     assert (on.runs, on.stay_up, on.fallen_seeds) == (2, 2, ())
+    assert (off.fallback_ticks, on.fallback_ticks) == (3, 0)
     assert "1 of 2" in campaign_table((off, on))
 
 

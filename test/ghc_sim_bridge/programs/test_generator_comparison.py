@@ -83,9 +83,9 @@ def report(**fields: Any) -> Any:
     return SimpleNamespace(**(empty | fields))
 
 
-def bounded(upper: float, asked: float) -> Any:
-    tool = SimpleNamespace(name="tool", planned=True, lower=0.0, upper=upper, force=asked)
-    return report(contacts=[tool])
+def bounded(upper: float, asked: float, lower: float = 0.0, on: bool = True) -> Any:
+    bounds = {"lower": lower, "upper": upper, "force": asked}
+    return report(contacts=[SimpleNamespace(name="tool", planned=True, on=on, **bounds)])
 
 
 def threatened(position: list[float], velocity: list[float]) -> Any:
@@ -139,6 +139,16 @@ def test_without_a_contact_nothing_has_to_be_followed() -> None:
         trace.append(float(time), bounded(0.0, 0.0))
     result = force_following(trace.series(), "tool", log.time, log.wrenches["tool"][:, 2])
     assert result.difference_largest == result.above_upper == result.qp_violation == 0.0
+
+
+def test_a_contact_that_is_planned_but_not_felt_has_a_force_of_zero_within_its_bounds() -> None:
+    """The plan asks for 2 N and allows 20 N; the foot has not met the floor."""
+    log = made_up_log(0.1, {}, lambda t: 0.0 * t)
+    trace = ConstraintTrace()
+    for time in log.time:
+        trace.append(float(time), bounded(20.0, 0.0, lower=2.0, on=False))
+    result = force_following(trace.series(), "tool", log.time, log.wrenches["tool"][:, 2])
+    assert result.qp_violation == result.difference_largest == 0.0
 
 
 def test_the_distance_ahead_counts_the_obstacles_speed() -> None:

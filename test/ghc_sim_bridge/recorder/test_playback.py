@@ -68,6 +68,8 @@ def test_from_a_later_start_latched_topics_say_their_last_message_first(tmp_path
     assert entries[0].position == round(55.5 * MS)
     assert texts(iter(entries), "/fast") == [f"fast {k}" for k in range(56, 100)]
     assert texts(iter(entries), "/latched") == [f"latched {k}" for k in range(50, 100, 10)]
+    alone = list(playback(path, ["/latched"], 0.095))
+    assert [(entry.data, entry.position) for entry in alone] == [(b"latched 90", 95 * MS)]
 
 
 def test_a_recording_that_was_cut_is_played_up_to_there(tmp_path: Path) -> None:

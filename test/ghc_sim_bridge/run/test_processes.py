@@ -98,7 +98,7 @@ def test_a_node_may_end_in_order_where_that_is_allowed(nodes: NodeProcesses) -> 
 def test_a_node_is_ended_in_the_middle_of_its_start(nodes: NodeProcesses) -> None:
     """Before it has handlers of its own: a SIGINT that comes then is not lost."""
     nodes.start("early", "package", "executable", ["-c", SLEEPER])
-    nodes.stop(patience=20.0)
+    nodes.stop(patience=60.0)
     assert nodes.exit_codes()["early"] not in (None, -signal.SIGKILL)
 
 
@@ -117,7 +117,7 @@ def test_a_command_is_interrupted_whatever_it_inherited(number: signal.Signals) 
         assert process.stderr is not None
         assert process.stdout.readline() == "up\n"
         process.send_signal(number)
-        assert process.wait(20.0) == INTERRUPTED
+        assert process.wait(60.0) == INTERRUPTED
         assert process.stderr.read() == "job: interrupted; all nodes were ended\n"
 
 
@@ -149,6 +149,13 @@ def test_two_runs_get_two_domains_and_a_given_one_is_kept(monkeypatch: pytest.Mo
     second.release()
     monkeypatch.setenv("ROS_DOMAIN_ID", "77")
     assert DomainLock().id == DomainLock().id == 77
+    alone = DomainLock(alone=True)
+    with pytest.raises(
+        GhcError, match="another experiment runs in the domain of ROS_DOMAIN_ID=77"
+    ):
+        DomainLock(alone=True)
+    alone.release()
+    DomainLock(alone=True).release()
 
 
 def test_changes_of_a_robot_reach_its_tasks_and_nothing_else(tmp_path: Path) -> None:

@@ -73,7 +73,7 @@ def test_a_second_user_finds_a_free_domain(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_folder_of_results_is_written_by_one_experiment_at_a_time(tmp_path: Path) -> None:
-    """Refused while another process holds it, free again when that is killed."""
+    """Rejected while another process holds it, free again when that is killed."""
     folder = tmp_path / "results" / "lemniscate" / "cascade"
     other = subprocess.Popen([sys.executable, "-c", HOLD, folder], stdout=subprocess.PIPE)
     assert other.stdout is not None

@@ -288,6 +288,23 @@ def test_the_obstacle_generator_waits_for_the_sensor_of_the_scene(tmp_path: Path
     assert plan.parameters["obstacle_bounds"]["sensor_period"] == 0.1
 
 
+def test_a_share_by_distance_runs_beside_the_controller_in_its_first_order(
+    tmp_path: Path,
+) -> None:
+    scenario = load_scenario("avoidance_distance")
+    value = parse_parameter("priority_share:lag:=0.1")
+    plan = make_plan(scenario, RunOptions(parameters=(value,)), tmp_path)
+    share = plan.parameters["priority_share"]
+    assert share["first"] == plan.parameters["controller"]["hierarchy"]
+    assert share["second"] == share["first"].replace(" > hand >", " >")
+    assert share["lag"] == 0.1
+    with pytest.raises(UnknownName):
+        make_plan(load_scenario("avoidance_ramp"), RunOptions(parameters=(value,)), tmp_path)
+    wrong = {"priority_share": {"first": "posture", "task": "elbow"}}
+    with pytest.raises(ConfigurationError, match=r"priority_share\.second"):
+        load_scenario(write(tmp_path, **wrong))
+
+
 def test_events_are_the_jumps_of_what_is_scripted() -> None:
     force = load_scenario("force_bound_step")
     assert [event.time for event in force.events] == list(force.contact_schedules[0].times[1:])
@@ -374,6 +391,18 @@ SCHEDULED = {
     ],
 }
 TOOL = {"name": "tool", "frame": "tool", "points": [[0, 0, 0]], "normal": [0, 0, 1]}
+
+
+@pytest.mark.parametrize("kind", ["joint", "torque"])
+def test_a_schedule_of_a_joint_that_the_robot_has_not_starts_nothing(
+    tmp_path: Path, kind: str
+) -> None:
+    """It would bound nothing, with a warning in a log."""
+    limits = [{"time": 0.0, "lower": -1.0, "upper": 1.0}]
+    schedules = {f"{kind}_limit_schedules": [{"joint": "joint_9", "limits": limits}]}
+    path = write(tmp_path, generators={f"{kind}_limits": {}}, **schedules)
+    with pytest.raises(UnknownName, match=r"joint in a schedule .* 'joint_9'; known: joint_1, "):
+        make_plan(load_scenario(path), RunOptions(), tmp_path)
 
 
 @pytest.mark.parametrize(

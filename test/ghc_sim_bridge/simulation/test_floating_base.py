@@ -80,7 +80,7 @@ def test_held_it_swallows_a_push(simulator: Simulator) -> None:
 
 
 def test_dropped_while_held_it_falls_and_nothing_explodes(simulator: Simulator) -> None:
-    """From half a metre, tilted by half a radian: light wrists whip at the impact, no more."""
+    """From half a meter, tilted by half a radian: light wrists whip at the impact, no more."""
     q = simulator.start.copy()
     q[2] += 0.5
     q[3:7] = _times(q[3:7], np.array([np.sin(0.25), 0.0, 0.0, np.cos(0.25)]))
@@ -94,7 +94,7 @@ def test_dropped_while_held_it_falls_and_nothing_explodes(simulator: Simulator) 
 
 
 def test_free_flight_has_no_contact_and_keeps_the_momentum(simulator: Simulator) -> None:
-    """The centre of mass falls freely, whatever the motors do."""
+    """The center of mass falls freely, whatever the motors do."""
     rng = np.random.default_rng(9)
     q = simulator.start.copy()
     q[2] += 1.0

@@ -42,6 +42,7 @@ def frames_of(simulator: Simulator) -> tuple[str, str]:
     frames = {
         "icub_fencer": ("chest", "sword_tip"),
         "icub_upper_body": ("l_elbow_1", "l_hand_dh_frame"),
+        "two_arms": ("left_elbow", "right_tool"),
     }
     return frames.get(simulator.scene.name, ("elbow", "tool"))
 

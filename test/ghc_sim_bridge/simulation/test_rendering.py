@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes.util
 from collections.abc import Iterator
 from pathlib import Path
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from PIL import Image
 from ghc_sim_bridge.errors import RenderingUnavailable
 from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.simulation.rendering import Marker, Renderer, filmstrip, save_png
+from ghc_sim_bridge.simulation.urdf_for_mujoco import for_mujoco
 
 SIZE = (320, 240)
 
@@ -31,7 +33,7 @@ def renderer() -> Iterator[Renderer | None]:
 
 
 def count(picture: np.ndarray, colour: str) -> int:
-    """Pixels that are clearly of a colour."""
+    """Pixels that are clearly of a color."""
     red, green, blue = picture.astype(int).transpose(2, 0, 1)
     strong = {"orange": (red > green + 60) & (green > blue), "blue": blue > red + 80}
     return int(strong[colour].sum())
@@ -98,3 +100,16 @@ def test_a_backend_that_does_not_start_is_one_clear_error(
     monkeypatch.setenv("MUJOCO_GL", "egl")
     with pytest.raises(RenderingUnavailable, match=r"egl does not start \(mujoco.egl: no"):
         Renderer(load_scene("kuka_lwr"), SIZE)
+
+
+def test_meshes_that_mujoco_cannot_read_give_way_to_collision_shapes(tmp_path: Path) -> None:
+    """Collada: the picture shows the collision shapes, and none where there are none."""
+    urdf = tmp_path / "arm.urdf"
+    mesh = '<visual><geometry><mesh filename="a.dae"/></geometry></visual>'
+    ball = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+    bodies = {"base": mesh + ball, "tip": mesh, "end": mesh.replace("dae", "STL") + ball}
+    links = "".join(f'<link name="{name}">{shapes}</link>' for name, shapes in bodies.items())
+    urdf.write_text(f'<robot name="arm">{links}</robot>', encoding="utf-8")
+    kept = fromstring(for_mujoco(urdf, False, True))
+    shapes = {link.get("name"): [shape.tag for shape in link] for link in kept.iter("link")}
+    assert shapes == {"base": ["collision"], "tip": [], "end": ["visual"]}

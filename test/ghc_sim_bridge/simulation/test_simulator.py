@@ -1,4 +1,4 @@
-"""Properties of the simulator: time, energy, accuracy, reset, refusals."""
+"""Properties of the simulator: time, energy, accuracy, reset, rejections."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ class Derating(Generator):
         self._raw |= given
 
     def tick(self, time: float) -> Preview:
-        """From the limit in force to the newest one."""
+        """From the current limit to the newest one."""
         if self._before is not None:  # a tick may have been missed
             self._limits |= dict(zip(self._before.rows, self._before.at(time)[1], strict=True))
         rows = tuple(sorted(self._raw))

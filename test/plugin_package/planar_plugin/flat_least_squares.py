@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ghc_controller.core import inverse_factor
 from ghc_controller.formulations import Formulation, FormulationSettings
-from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_bounded
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization

@@ -6,6 +6,7 @@ from typing import Any
 
 from benchmarks.compare.cases import CASES
 from benchmarks.compare.pages.assessment import LEAST, RATIO, judge
+from benchmarks.compare.pages.causes import CAUSES, UNKNOWN, cause, explained
 from benchmarks.compare.pages.first_screen import first_screen, given_up
 from benchmarks.compare.pages.overview import deciding_ratio
 
@@ -74,7 +75,7 @@ def test_more_qps_are_named_with_both_numbers() -> None:
 
 def test_the_first_screen_names_case_task_and_errors() -> None:
     results = {CASE.name: {"cascade": result(0.0, 0.3), "hqp": result(0.0, 0.2)}}
-    assert "hqp (task_2, 1/2: 0.3 / 0.2)" in first_screen(results)
+    assert "hqp (task_2, 1/2: 0.3 / 0.2; ?)" in first_screen(results)
     assert CASE.title in first_screen(results)
     results = {CASE.name: {"cascade": result(0.0, 0.3), "hqp": result(0.1, 0.2)}}
     assert CASE.title not in first_screen(results)
@@ -86,3 +87,12 @@ def test_the_deciding_ratio_is_that_of_the_first_level_that_differs() -> None:
     assert deciding_ratio(CASE, result(0.0, 0.2, 0.01), reference) == (0.2 + LEAST) / (0.1 + LEAST)
     assert deciding_ratio(CASE, result(0.0, 0.1, 0.1), reference) == 1.0
     assert deciding_ratio(CASE, result(0.0, stopped_s=1.0), reference) is None
+
+
+def test_the_causes_of_losses_are_named_and_listed_once() -> None:
+    assert cause("standing", "hqp_transition") == cause("standing", "rhp_hqp") == "g"
+    assert cause("upper_body_reactive_w0.01", "rhp_hqp") == "c"
+    assert cause("priority_switching", "ghc") == UNKNOWN
+    text = explained(["g", "c", "g", UNKNOWN])
+    assert [line[2:7] for line in text.splitlines()] == ["**(c)", "**(g)"]
+    assert all(f"({letter})" in explained(CAUSES) for letter in CAUSES)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+import ghc_controller
+from benchmarks.code_version import sources
 from benchmarks.compare import digest as module
 from benchmarks.compare.digest import digest, sources_of
 from benchmarks.compare.jobs import Job, all_jobs, job_digest
@@ -28,21 +30,49 @@ def test_a_formulation_depends_on_those_that_it_imports_alone() -> None:
     assert "pages/page.py" not in ghc | blend
 
 
-def test_a_change_of_a_source_changes_the_digest(
+def test_a_change_of_code_changes_the_digest_and_one_of_words_does_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "one.py").write_text("from benchmarks import two\n", encoding="utf-8")
     (tmp_path / "two.py").write_text("x = 1\n", encoding="utf-8")
     monkeypatch.setitem(module._ROOTS, "benchmarks", tmp_path)
     found = []
-    for text in ("x = 1\n", "x = 2\n"):
+    words = '"""Some."""\n\n# why\nx = 1  # [m]\n'
+    for text in ("x = 1\n", "x = 2\n", "x = '#1'\n", "x = '#2'\n", words):
         (tmp_path / "two.py").write_text(text, encoding="utf-8")
         module._file_of.cache_clear()
         module._imports.cache_clear()
         found.append(digest(["benchmarks.one"]))
     module._file_of.cache_clear()
     module._imports.cache_clear()
-    assert found[0] != found[1]
+    assert len(set(found)) == 4
+    assert found[0] == found[-1]
+
+
+def test_the_compiled_core_counts_for_studies_and_comparison_but_its_comments_do_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    core = tmp_path / "core"
+    core.mkdir()
+    (tmp_path / "__init__.py").write_text("", encoding="utf-8")
+    monkeypatch.setattr(ghc_controller, "__file__", str(tmp_path / "__init__.py"))
+    monkeypatch.setitem(module._ROOTS, "ghc_controller", tmp_path)
+    found = []
+    words = '/* rows\n of level */\n\nconst char* a = "// 1";  // [m]\n'
+    for text in ("int a = 1;\n", "int a = 2;\n", 'const char* a = "// 1";\n', words):
+        for name in ("level.cpp", "level.hpp"):
+            (core / name).write_text(text, encoding="utf-8")
+            module._common_files.cache_clear()
+            found.append((sources(), digest([])))
+    module._common_files.cache_clear()
+    assert len(set(found)) == 6
+    assert len({one for one, _ in found}) == len({other for _, other in found}) == 6
+    assert found[5:6] == found[7:]
+
+
+def test_the_digest_reads_the_core_of_this_repository() -> None:
+    files = {path.name for path in module._common_files()}
+    assert {"cascade.cpp", "cascade.hpp", "step_module.cpp", "robot.yaml"} <= files
 
 
 def test_digests_differ_between_methods_and_numbers_of_a_case() -> None:

@@ -12,6 +12,7 @@ from benchmarks.compare.runs.closed_loop import Loop, Record, Span, run_loop
 from benchmarks.compare.runs.measures import measure
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.hierarchy.priorities import Candidate
+from ghc_controller.tasks.law import tracking
 from ghc_sim_bridge import Simulator
 
 ORDER = "end_effector > elbow > posture"
@@ -31,15 +32,21 @@ def loop(formulation: str, duration: float, ramp: float = 0.0, swap: bool = Fals
     return Loop(controller, simulator, (Span(ORDER, matrix.alpha, 0.0, duration),))
 
 
+@pytest.mark.parametrize("rate", [1000.0, 0.0])
 @pytest.mark.parametrize("formulation", ["cascade", "ghc", "hqp"])
-def test_qps_are_counted_where_there_are_some(formulation: str) -> None:
-    """40 ms with torques of at most 30 Nm: a QP at some steps, and its operations."""
-    settings = ghc.Settings(formulation=formulation, hierarchy=ORDER, torque_bound=30.0)
+def test_qps_are_counted_where_there_are_some(formulation: str, rate: float) -> None:
+    """40 ms with torques of at most 20 Nm: a QP at some steps, and its operations.
+
+    Without a rate limit the QPs of `cascade` are those of the compiled core alone.
+    """
+    settings = ghc.Settings(
+        formulation=formulation, hierarchy=ORDER, torque_bound=20.0, torque_rate_limit=rate
+    )
     controller = ghc.Controller(ghc.load_robot("kuka_lwr"), settings)
     simulator = Simulator("kuka_lwr", joint_names=controller.model.joint_names)
     controller.start(simulator.state())
     controller.set_reference("end_effector", [0.1, 0.6, 1.0])
-    counter, solved = QpCounter(controller.formulation), 0
+    counter, solved = QpCounter(controller), 0
     for _ in range(40):
         counter.take()
         result = controller.step(simulator.state())
@@ -50,6 +57,27 @@ def test_qps_are_counted_where_there_are_some(formulation: str) -> None:
         solved += qps
         simulator.step(result.torque)
     assert solved > 0
+
+
+def test_a_step_in_one_call_counts_as_one_in_parts() -> None:
+    """The same states, once with a law of one's own, which keeps the core from the whole step."""
+    settings = ghc.Settings(hierarchy=ORDER, torque_bound=20.0, torque_rate_limit=0.0)
+    whole, parts = (ghc.Controller(ghc.load_robot("kuka_lwr"), settings) for _ in range(2))
+    parts.stack.law = lambda rows, velocity, time: tracking(rows, velocity, time)
+    simulator = Simulator("kuka_lwr", joint_names=whole.model.joint_names)
+    for controller in (whole, parts):
+        controller.start(simulator.state())
+        controller.set_reference("end_effector", [0.1, 0.6, 1.0])
+    counters, found = [QpCounter(controller) for controller in (whole, parts)], 0
+    for _ in range(40):
+        state = simulator.state()
+        torque = whole.step(state).torque
+        parts.step(state)
+        one, other = (counter.take() for counter in counters)
+        assert one == other
+        found += one[0]
+        simulator.step(torque)
+    assert found > 0
 
 
 def test_a_ramp_is_one_change_between_its_orders() -> None:

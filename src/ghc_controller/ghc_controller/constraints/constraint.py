@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from enum import Enum, IntEnum
 from typing import NamedTuple
 
@@ -41,7 +42,7 @@ class Tick(NamedTuple):
     previous_torque: Array | None  # (a,) [Nm] applied over the last period; None at the start
     dt: float  # [s] control period
     jerk: Array | None = None  # (a,) [rad/s^3] within the torque rate limit; None without one
-    carried: Array | None = None  # (a, n) G: by G^T the base follows the joints (`jerk_share`)
+    carried: Array | None = None  # (a, n) G: by G^T the base follows the joints (`PlannedJerk`)
     contacts: ContactRows | None = None  # that are on, without the rows on their forces
 
 
@@ -49,7 +50,7 @@ class Rows(NamedTuple):
     """r rows lower <= matrix z <= upper of one constraint at one state.
 
     A matrix on forces that stays the same from tick to tick, with its names, should be the same
-    object: what is made of both is then kept.
+    object, and not writable: what is made of both is then kept. Others are read at every tick.
     """
 
     matrix: Array  # (r, n), (r, a) or (r, c) by the space of the constraint
@@ -73,11 +74,14 @@ class Constraint(ABC):
         name: unique name, as in active_constraints and slack_names.
         space, softness: see Space and Softness.
         kind: of the previews that it follows; empty = none.
+        made_anew: makes it again for a model with the same frames, as `make_constraint` does it;
+            None where it was made by hand.
     """
 
     space: Space
     softness: Softness
     kind: str = ""
+    made_anew: Callable[[RobotModel], Constraint] | None = None
 
     def __init__(self, name: str) -> None:
         """Store the name."""
@@ -110,8 +114,17 @@ class Constraint(ABC):
         """Whether the preview has ended at `time` [s]."""
         return False
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether it has no rows at any state until it is told otherwise; boxes are not asked."""
+        return False
+
     def reset(self) -> None:  # noqa: B027
         """Forget previews and whatever is remembered of earlier states."""
+
+    def __repr__(self) -> str:
+        """Kind, name, space and place in the order of relaxation."""
+        return f"{type(self).__name__}({self.name!r}, {self.space.name}, {self.softness.name})"
 
 
 class BoxConstraint(Constraint):

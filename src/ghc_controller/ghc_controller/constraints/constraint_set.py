@@ -8,7 +8,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from ghc_controller.constraints.box import Box, Slack, merge_boxes
+from ghc_controller.constraints.box import Box, Slack
+from ghc_controller.constraints.compiled import CompiledBox, written_by_core
 from ghc_controller.constraints.constraint import (
     BoxConstraint,
     Constraint,
@@ -16,13 +17,19 @@ from ghc_controller.constraints.constraint import (
     Space,
     Tick,
 )
+from ghc_controller.constraints.joint_position import JointPositionLimit
+from ghc_controller.constraints.obstacle import ObstacleDistance
 from ghc_controller.constraints.planned_jerk import PlannedJerk
 from ghc_controller.constraints.row_stack import RowStack
+from ghc_controller.constraints.torque_limit import TorqueLimit
+from ghc_controller.core import BoxMerge, JerkPlan
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.previews.limits_in_force import LimitsInForce
 from ghc_controller.problem.control_problem import AccelerationRows, ContactRows
 from ghc_controller.types import Array, Bounds, Dynamics, RobotState
+
+_TOLD = (TorqueLimit, JointPositionLimit, ObstacleDistance)
 
 Kind = TypeVar("Kind", bound=Constraint)
 
@@ -46,13 +53,11 @@ class ConstraintSet:
         constraints: Sequence[Constraint],
         model: RobotModel,
         planned_jerk: PlannedJerk | None = None,
-        in_contact: bool = False,
     ) -> None:
         """Prepare one merge for accelerations and one for torques.
 
         Args:
             planned_jerk: what position and velocity limits plan with; None without a rate limit.
-            in_contact: whether contact forces can act on the robot.
 
         Raises:
             InvalidValue: two constraints share a name or follow previews of one kind, or rows that
@@ -80,7 +85,11 @@ class ConstraintSet:
         )
         self._torque = _Merge([c for c in boxes if c.space is Space.TORQUE], model.joint_names)
         self.following = tuple(c for c in constraints if c.kind)
-        self._stack = RowStack(constraints, in_contact)
+        self._stack = RowStack(constraints)
+        self._timed = (*self._acceleration.timed, *self._torque.timed)
+        # Where a class is a plug-in's, only a call of its methods says whether something changed.
+        told = all(type(one) in _TOLD for one in (*self.following, *self._timed))
+        self._previewed = self.limits if told else None
         self.boxes = Boxes(self._acceleration.box, self._torque.box)
 
     @property
@@ -111,7 +120,48 @@ class ConstraintSet:
 
     def is_stale(self, time: float) -> bool:
         """Whether a preview that a constraint follows has ended at `time` [s]."""
-        return any(constraint.is_stale(time) for constraint in self.following)
+        for constraint in self.following:  # noqa: SIM110 (a generator takes twice as long)
+            if constraint.is_stale(time):
+                return True
+        return False
+
+    @property
+    def cores(self) -> tuple[BoxMerge, BoxMerge, JerkPlan | None] | None:
+        """Boxes on accelerations and torques and the planned jerk; None: Python writes a box."""
+        if self._acceleration.plugged or self._torque.plugged:
+            return None
+        planned, n = self.planned_jerk, len(self._acceleration.box.entries)
+        jerk = None if planned is None else planned.core_of(n)
+        return self._acceleration.core, self._torque.core, jerk
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether a constraint may have general rows or rows on forces."""
+        return not self._stack.is_idle
+
+    @property
+    def rests(self) -> bool:
+        """Whether `prepare` and `is_stale` have nothing to do, whatever the time, while no contact
+        is on: no preview is followed, and there are no rows.
+        """
+        if self._previewed is None:
+            return False
+        for limits in self._previewed:
+            if limits.preview is not None:
+                return False
+        return self._stack.leaves_motion
+
+    def prepare(self, time: float) -> None:
+        """Tell the core what the boxes are at `time` [s]; there are no rows (`has_rows`)."""
+        if self._stack.general is not None:
+            self._stack.clear()
+        for timed in self._timed:
+            timed.prepare(time)
+
+    def note(self, gave_way: bool) -> None:
+        """Take over that the core merged the boxes, and whether one gave way."""
+        self._acceleration.note(gave_way)
+        self._torque.note(gave_way)
 
     def reset(self) -> None:
         """Forget the last state and all previews."""
@@ -151,13 +201,26 @@ class _Merge:
 
     def __init__(self, constraints: list[BoxConstraint], entries: tuple[str, ...]) -> None:
         self._constraints = sorted(constraints, key=lambda constraint: constraint.softness)
-        self._hard_count = sum(c.softness is Softness.HARD for c in constraints)
+        hard = sum(c.softness is Softness.HARD for c in constraints)
         shape = (len(constraints), len(entries))
-        self._lowers, self._uppers = np.full(shape, -np.inf), np.full(shape, np.inf)
+        lowers, uppers = np.full(shape, -np.inf), np.full(shape, np.inf)
         self._slack = np.zeros(shape)
-        self._rows = list(zip(self._constraints, self._lowers, self._uppers, strict=True))
         self._merged = np.empty((4, len(entries)))
         self._sources = np.empty((2, len(entries)), dtype=np.int64)
+        compiled = [written_by_core(constraint) for constraint in self._constraints]
+        self.core = BoxMerge(
+            compiled, hard, lowers, uppers, self._merged, self._sources, self._slack
+        )
+        # Of the core, those whose bounds change with time; and those that Python writes.
+        self.timed: list[CompiledBox] = []
+        self.plugged: list[tuple[BoxConstraint, Array, Array]] = []
+        for one, box, lower, upper in zip(
+            self._constraints, compiled, lowers, uppers, strict=True
+        ):
+            if box is None:
+                self.plugged.append((one, lower, upper))
+            elif isinstance(one, CompiledBox) and one.changes:
+                self.timed.append(one)
         self.box = Box(
             Bounds(self._merged[0], self._merged[1]),
             Bounds(self._merged[2], self._merged[3]),
@@ -169,16 +232,13 @@ class _Merge:
         )
 
     def update(self, tick: Tick) -> None:
-        for constraint, lower, upper in self._rows:
-            constraint.write(tick, lower, upper)
-        gave_way = merge_boxes(
-            self._lowers,
-            self._uppers,
-            self._hard_count,
-            self._merged,
-            self._sources,
-            self._slack,
-        )
+        for timed in self.timed:
+            timed.prepare(tick.state.time)
+        for plugged, lower, upper in self.plugged:
+            plugged.write(tick, lower, upper)
+        self.note(self.core.update(tick.model.core, tick.previous_torque, tick.dt, tick.jerk))
+
+    def note(self, gave_way: bool) -> None:
         self.box.slack = self._named_slack() if gave_way else ()
 
     def _named_slack(self) -> tuple[Slack, ...]:

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import numba
-
-from ghc_controller.constraints.constraint import (
-    BoxConstraint,
-    Softness,
-    Space,
-    Tick,
-    positive_per_joint,
-)
-from ghc_controller.constraints.jerk_kernels import velocity_bound
+from ghc_controller.constraints.compiled import CompiledBox
+from ghc_controller.constraints.constraint import Softness, Space, positive_per_joint
+from ghc_controller.core import VelocityBox
 from ghc_controller.types import Array
 
 
-class JointVelocityLimit(BoxConstraint):
+class JointVelocityLimit(CompiledBox):
     """(-limit - v) / h <= dv <= (limit - v) / h per joint.
 
     Approaching the limit no faster than exponentially with time constant h [s] costs less torque
@@ -26,6 +19,7 @@ class JointVelocityLimit(BoxConstraint):
 
     space = Space.ACCELERATION
     softness = Softness.SOFT
+    core: VelocityBox
 
     def __init__(
         self,
@@ -37,30 +31,14 @@ class JointVelocityLimit(BoxConstraint):
         """Bound the last `joints` entries of v by limit [rad/s], one number or (a,)."""
         super().__init__(name)
         self.limit = positive_per_joint(limit, joints, name)
-        self.horizon = float(positive_per_joint(horizon, 1, f"{name}, horizon")[0])
+        span = float(positive_per_joint(horizon, 1, f"{name}, horizon")[0])
+        self.core = VelocityBox(self.limit, span)
 
-    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
-        """Write the acceleration box of this state."""
-        _velocity_box(tick.model.v, self.limit, max(self.horizon, tick.dt), lower, upper)
-        if tick.jerk is not None:
-            _narrow(tick.model.v, self.limit, tick.jerk, tick.dt, lower, upper)
+    @property
+    def horizon(self) -> float:
+        """[s]."""
+        return self.core.horizon
 
-
-@numba.njit(cache=True)
-def _velocity_box(v: Array, limit: Array, horizon: float, lower: Array, upper: Array) -> None:
-    base = v.shape[0] - limit.shape[0]
-    for i in range(limit.shape[0]):
-        lower[base + i] = (-limit[i] - v[base + i]) / horizon
-        upper[base + i] = (limit[i] - v[base + i]) / horizon
-
-
-@numba.njit(cache=True)
-def _narrow(v: Array, limit: Array, jerk: Array, dt: float, lower: Array, upper: Array) -> None:
-    """Narrow a box to accelerations that can fall to 0 before the limit; (a,) jerk."""
-    base = v.shape[0] - limit.shape[0]
-    for i in range(limit.shape[0]):
-        to_upper, to_lower = limit[i] - v[base + i], limit[i] + v[base + i]
-        if to_upper > 0.0:
-            upper[base + i] = min(upper[base + i], velocity_bound(to_upper, jerk[i], dt))
-        if to_lower > 0.0:
-            lower[base + i] = max(lower[base + i], -velocity_bound(to_lower, jerk[i], dt))
+    @horizon.setter
+    def horizon(self, horizon: float) -> None:
+        self.core.horizon = horizon

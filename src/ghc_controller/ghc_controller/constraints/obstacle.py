@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from ghc_controller.constraints.constraint import Constraint, Rows, Softness, Space, Tick
+from ghc_controller.core import native
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.previews.motion import PlannedMotion
@@ -35,7 +35,7 @@ class ObstacleDistance(Constraint):
         if not (np.isfinite(horizon) and horizon > 0.0):
             raise InvalidValue(f"obstacle horizon {horizon} s given, more than 0 expected")
         self._model = model
-        self._horizon = horizon
+        self.horizon = horizon
         self.reset()
 
     def reset(self) -> None:
@@ -54,17 +54,26 @@ class ObstacleDistance(Constraint):
 
         Returns:
             What is wrong with each frame whose obstacles were left out; empty when none was.
+
+        Raises:
+            InvalidValue: rows without their motions; the plan before stays.
         """
+        if len(preview.motions) != len(preview.rows):
+            raise InvalidValue(
+                f"{preview.kind}: {len(preview.rows)} rows with {len(preview.motions)} motions "
+                "given, a motion for each expected"
+            )
         plan, known = preview, self._model.frame_names
         given = dict.fromkeys(entry.frame for entry in plan.motions)
-        unknown = tuple(frame for frame in given if frame not in known)
-        if unknown:
-            plan = plan.only([entry.frame not in unknown for entry in plan.motions])
+        left_out = [frame for frame in given if frame not in known]
+        if left_out:
+            plan = plan.only([entry.frame not in left_out for entry in plan.motions])
         self._frames = tuple(self._model.frame_id(entry.frame) for entry in plan.motions)
         self.names = tuple(f"{self.name}.{entry.id}" for entry in plan.motions)
         self._no_upper = np.full(len(plan.motions), np.inf)
         self._plan = plan
-        return tuple(UnknownName("protected frame", frame, known) for frame in unknown)
+        # One without a frame is for bodies alone (`BodyDistance.follow_obstacles`).
+        return tuple(UnknownName("protected frame", frame, known) for frame in left_out if frame)
 
     def states(self, time: float) -> tuple[tuple[PlannedMotion, Array], ...]:
         """The obstacles with their virtual states (3, 3) at `time` [s]; rows as in the plan."""
@@ -78,6 +87,11 @@ class ObstacleDistance(Constraint):
         plan = self._plan
         return plan is not None and bool(plan.motions) and plan.has_ended(time)
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether there is no obstacle."""
+        return not self.names
+
     def rows(self, tick: Tick) -> Rows | None:
         """A row for each obstacle; None without any."""
         plan = self._plan
@@ -88,35 +102,7 @@ class ObstacleDistance(Constraint):
         for row, (entry, frame_id) in enumerate(zip(plan.motions, self._frames, strict=True)):
             state, frame = plan.motion_at(row, tick.state.time), self._model.frame(frame_id)
             motion = (frame.jacobian, frame.position, frame.velocity, frame.drift)
-            lower[row] = distance_row(
-                *motion, entry.normal, state, entry.safe_distance, self._horizon, matrix[row]
+            lower[row] = native.distance_row(
+                *motion, entry.normal, state, entry.safe_distance, self.horizon, matrix[row]
             )
         return Rows(matrix, lower, self._no_upper, self.names)
-
-
-@njit(cache=True)
-def distance_row(
-    jacobian: Array,
-    position: Array,
-    velocity: Array,
-    drift: Array,
-    normal: Array,
-    state: Array,
-    safe_distance: float,
-    dt: float,
-    row: Array,
-) -> float:  # pragma: no cover
-    """Write n . J to row (n,) and return its lower bound, as in ObstacleDistance.
-
-    jacobian (6, n), position (3,), velocity and drift (6,) of the frame; state (3, 3) of the
-    obstacle: position, velocity, acceleration.
-    """
-    row[:] = 0.0
-    gap, approach, drifting = safe_distance, 0.0, 0.0
-    for axis in range(3):
-        for c in range(row.shape[0]):
-            row[c] += normal[axis] * jacobian[axis, c]
-        gap -= normal[axis] * (position[axis] - state[0, axis])
-        approach += normal[axis] * (velocity[axis] - state[1, axis])
-        drifting += normal[axis] * (state[2, axis] - drift[axis])
-    return 2.0 / dt**2 * (gap - approach * dt) + drifting

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ghc_controller.constraints.constraint import Constraint
@@ -57,4 +58,5 @@ def make_constraint(fields: Fields, model: RobotModel) -> Constraint:
     except InvalidValue as error:
         raise fields.complaint(str(error)) from error
     fields.done()
+    made.made_anew = partial(make_constraint, fields)
     return made

@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import Enum
 
-import numba
 import numpy as np
 
-from ghc_controller.constraints.constraint import (
-    BoxConstraint,
-    Softness,
-    Space,
-    Tick,
-    positive_per_joint,
-)
+from ghc_controller.constraints.compiled import CompiledBox
+from ghc_controller.constraints.constraint import Softness, Space, positive_per_joint
+from ghc_controller.core import TorqueBox
 from ghc_controller.errors import UnknownName
 from ghc_controller.previews.limits_in_force import LimitsInForce
 from ghc_controller.previews.preview import TORQUE_LIMITS, Preview
 from ghc_controller.types import Array
+
+_NO_RANGE = np.zeros(0)
 
 
 class TorqueCenter(Enum):
@@ -28,11 +25,12 @@ class TorqueCenter(Enum):
     GRAVITY = "gravity"  # |tau - g(q)| <= limit: what is left beside carrying the arm
 
 
-class TorqueLimit(BoxConstraint):
-    """center - limit <= tau <= center + limit per actuated joint [Nm]; never gives way."""
+class TorqueLimit(CompiledBox):
+    """center - limit <= tau <= center + limit per actuated joint [Nm]; never relaxed."""
 
     space = Space.TORQUE
     softness = Softness.HARD
+    core: TorqueBox
 
     def __init__(
         self,
@@ -49,10 +47,12 @@ class TorqueLimit(BoxConstraint):
         super().__init__(name)
         self.limit = positive_per_joint(limit, joints, name)
         self.around = around
-        self._zero = np.zeros(joints)
+        self.core = TorqueBox(self.limit, around is TorqueCenter.GRAVITY)
+        self._planned = False  # whether the core has a range of a preview
         self.limits: LimitsInForce | None = None
         if follows:
             self.kind = TORQUE_LIMITS
+            self.changes = True
             self.limits = LimitsInForce(TORQUE_LIMITS, follows, -self.limit, self.limit)
 
     def follow(self, preview: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
@@ -68,20 +68,12 @@ class TorqueLimit(BoxConstraint):
         if self.limits is not None:
             self.limits.reset()
 
-    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
-        """Write the torque box of this state."""
+    def prepare(self, time: float) -> None:
+        """See CompiledBox."""
         if self.limits is not None and self.limits.planned:
-            limits = self.limits.at(tick.state.time)
-            lower[:], upper[:] = limits.lower, limits.upper
-            return
-        center = tick.model.gravity() if self.around is TorqueCenter.GRAVITY else self._zero
-        box_around(center, self.limit, lower, upper)
-
-
-@numba.njit(cache=True)
-def box_around(center: Array, half_width: Array, lower: Array, upper: Array) -> None:
-    """Write center -+ half_width (a,); of `center` only the last a entries count."""
-    base = center.shape[0] - half_width.shape[0]
-    for i in range(half_width.shape[0]):
-        lower[i] = center[base + i] - half_width[i]
-        upper[i] = center[base + i] + half_width[i]
+            limits = self.limits.at(time)
+            self.core.set_range(limits.lower, limits.upper)
+            self._planned = True
+        elif self._planned:
+            self.core.set_range(_NO_RANGE, _NO_RANGE)
+            self._planned = False

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from ghc_controller.constraints.constraint import (
-    BoxConstraint,
-    Softness,
-    Space,
-    Tick,
-    positive_per_joint,
-)
-from ghc_controller.constraints.torque_limit import box_around
+from ghc_controller.constraints.compiled import CompiledBox
+from ghc_controller.constraints.constraint import Softness, Space, positive_per_joint
+from ghc_controller.core import RateBox
 from ghc_controller.types import Array
 
 
-class TorqueRateLimit(BoxConstraint):
+class TorqueRateLimit(CompiledBox):
     """previous -+ rate dt per actuated joint, around the torque that was applied last.
 
     Gives way after position and velocity limits and before torque limits. Without a previous
@@ -29,15 +22,8 @@ class TorqueRateLimit(BoxConstraint):
         """Rate [Nm/s], one number or (a,); leave the constraint out to switch it off."""
         super().__init__(name)
         self.rate = positive_per_joint(rate, joints, name)
-        self._step = np.zeros(joints)  # [Nm] rate dt of the period used last
-        self._dt = 0.0
+        self.core = RateBox(self.rate)
 
-    def write(self, tick: Tick, lower: Array, upper: Array) -> None:
-        """Write the torque box around `previous_torque`."""
-        if tick.previous_torque is None:
-            lower.fill(-np.inf)
-            upper.fill(np.inf)
-            return
-        if tick.dt != self._dt:
-            self._step, self._dt = self.rate * tick.dt, tick.dt
-        box_around(tick.previous_torque, self._step, lower, upper)
+    def set_rate(self, rate: Array) -> None:
+        """Change the rate [Nm/s] to (a,) positive numbers; it counts from the next state on."""
+        self.rate[:] = rate  # the core reads it where it is

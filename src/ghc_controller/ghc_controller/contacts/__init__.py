@@ -1,4 +1,4 @@
-"""Contacts: what stays still, which forces it may carry, and the bounds that generators plan."""
+"""Contacts: motion constraints, admissible forces, and bounds from generators."""
 
 from ghc_controller.contacts.bounds_in_force import BoundsInForce
 from ghc_controller.contacts.contact import Contact, ContactForceTask, OnStale
@@ -7,6 +7,7 @@ from ghc_controller.contacts.force_constraints import FrictionCone, NormalForce
 from ghc_controller.contacts.force_cost import ForceCost
 from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.contacts.rigid import RigidContact
+from ghc_controller.contacts.rolling import RollingContact
 from ghc_controller.contacts.sensing import ContactSensing
 from ghc_controller.contacts.sensing_settings import Sensing
 from ghc_controller.contacts.settling import solve_settled
@@ -25,6 +26,7 @@ __all__ = [
     "NormalForce",
     "OnStale",
     "RigidContact",
+    "RollingContact",
     "Sensing",
     "SlidingContact",
     "SurfaceContact",

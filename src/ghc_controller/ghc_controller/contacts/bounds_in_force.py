@@ -1,4 +1,4 @@
-"""Which normal force bounds hold now: those of the generator's plan, or of the robot's file."""
+"""Current normal force bounds: of the generator's plan, or of robot.yaml."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _NOWHERE = np.zeros(0, dtype=np.intp)
 
 
 class BoundsInForce:
-    """Follows the newest plan; a contact that it leaves out keeps what the robot's file says.
+    """Follows the newest plan; contacts missing from it keep the bounds of robot.yaml.
 
-    After the end of a plan each contact holds its last bounds or is released, as the plan's stale
-    rule or, with OF_ROBOT, the contact's `on_stale` says. A plan that comes after its start does
-    not make a bound jump that it loosens: see `Way`.
-    Whether a contact is on does not change without a plan: one that carries the robot is
-    never switched off because its generator is silent.
+    After the end of a plan each contact holds its last bounds or is released, by the plan's stale
+    rule or, with OF_ROBOT, by `on_stale` of the contact. A plan received after its start does not
+    cause a jump of a bound that it loosens: see `Way`.
+    Contacts are activated and deactivated by plans only: a contact that carries the robot is
+    never deactivated because its generator timed out.
     """
 
     kind = CONTACT_FORCES
@@ -37,26 +37,30 @@ class BoundsInForce:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the plan."""
+        """Discard the plan."""
         self._plan: Preview | None = None
         self._way: Way | None = None
         self._places = _NOWHERE
         self._held = _NOWHERE
         self._active = tuple(contact.active for contact in self._contacts)
+        self._unplanned = self._planned(0.0)  # bounds while there is no plan
 
     def follow(self, plan: Preview, now: float | None = None) -> tuple[UnknownName, ...]:
-        """Take a plan over, as far as it speaks of contacts that the robot has.
+        """Use a plan for the contacts that the robot has.
 
         Args:
-            plan: what a generator planned.
-            now: [s] from when on it is followed; None = from its start.
+            plan: preview of a generator.
+            now: [s] time from which it is followed; None = from its start.
 
         Returns:
-            What is wrong with each contact that was left out; empty when none was.
+            One message per ignored contact; empty if there are none.
 
         Raises:
-            InvalidValue: a lower bound above what the robot's file allows; the plan before stays.
+            InvalidValue: a lower bound above `force_upper` of robot.yaml, or a bound that is NaN;
+                the previous plan stays active.
         """
+        if plan.motions:
+            raise InvalidValue(f"{self.kind}: motions given, bounds of contacts expected")
         unknown = tuple(name for name in plan.rows if name not in self._names)
         if unknown:
             plan = plan.without(unknown)
@@ -78,20 +82,26 @@ class BoundsInForce:
         for place, on in zip(places, plan.active, strict=True):
             active[place] = on
         self._active = tuple(active)
-        if not plan.interpolate:  # steps are what is asked for
+        if not plan.interpolate:  # steps are intended
             self._way = None
         elif now is not None and in_force is not None:
             self._way = Way.begun(now, delay, in_force, self._planned(now), self._way)
         return tuple(UnknownName("contact", name, self._names) for name in unknown)
 
     def _within_file(self, plan: Preview) -> Preview:
-        """The plan with upper bounds of at most what the robot's file allows.
+        """The plan with upper bounds limited to `force_upper` of robot.yaml.
 
         Raises:
-            InvalidValue: a lower bound above that.
+            InvalidValue: a lower bound above that, or a bound that is NaN.
         """
         if not plan.rows:
             return plan
+        for name, bounds in (("lower", plan.lower), ("upper", plan.upper)):
+            wrong = np.argwhere(np.isnan(bounds))
+            if len(wrong):
+                raise InvalidValue(
+                    f"contact '{plan.rows[wrong[0, 0]]}', {name}: nan N given, a number expected"
+                )
         most = self._file[1][[self._names.index(name) for name in plan.rows]]
         worst = plan.lower.max(axis=1)
         if (worst > most).any():
@@ -106,10 +116,22 @@ class BoundsInForce:
 
     def at(self, time: float) -> NormalBounds:
         """Bounds at `time` [s]."""
+        if self.is_unplanned:
+            return self._unplanned
         bounds = self._planned(time)
         if self._way is not None:
             self._way.narrow(time, bounds.lower, bounds.upper)
         return bounds
+
+    @property
+    def is_unplanned(self) -> bool:
+        """Whether the robot's file alone says what holds."""
+        return self._plan is None or not self._contacts
+
+    @property
+    def some_active(self) -> bool:
+        """Whether a contact is on, by the plan or the robot's file."""
+        return True in self._active
 
     def _planned(self, time: float) -> NormalBounds:
         lower, upper = self._file[0].copy(), self._file[1].copy()
@@ -139,5 +161,5 @@ class BoundsInForce:
 
     @property
     def planned(self) -> tuple[str, ...]:
-        """Contacts that a generator has bounded, order of the plan."""
+        """Contacts bounded by a generator, in the order of the plan."""
         return () if self._plan is None else self._plan.rows

@@ -1,16 +1,16 @@
-"""One contact of the robot with its environment, as the robot's file describes it."""
+"""One contact of the robot with its environment, as described in robot.yaml."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
-from ghc_controller.contacts.kernels import write_force_map, write_point_motion
 from ghc_controller.contacts.pyramid import largest_friction_use, point_cone
 from ghc_controller.contacts.sensing_settings import Sensing
+from ghc_controller.core import write_force_map, write_point_motion
 from ghc_controller.errors import InvalidField, InvalidValue
 from ghc_controller.model.frames import FrameTerms
 from ghc_controller.model.robot_model import RobotModel
@@ -23,14 +23,14 @@ from ghc_controller.types import Array
 
 Vector = tuple[float, float, float]
 
-STOPPING_RATE = 20.0  # [1/s] at which a contact that slides is brought to rest
+STOPPING_RATE = 20.0  # [1/s] rate at which the motion of a sliding contact is stopped
 
 
 class OnStale(Enum):
-    """What holds when the plan of a contact has ended and no new one came."""
+    """Bounds of a contact after the end of its last plan."""
 
     HOLD = "hold"  # the last bounds of the plan
-    RELEASE = "release"  # the bounds of the robot's file
+    RELEASE = "release"  # the bounds of robot.yaml
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class ContactFields:
     )
 
     def __post_init__(self) -> None:
-        """Raise InvalidField for bounds that leave nothing between them."""
+        """Raise InvalidField for a lower bound above the upper one."""
         if self.force_lower > self.force_upper:
             raise InvalidField(
                 "force_lower",
@@ -82,26 +82,28 @@ class ContactFields:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contact:
-    """Points of one frame on something fixed: kind `point`, and the base of all others.
+    """Points of one frame on a fixed environment: kind `point`, and base class of all others.
 
-    A kind answers three questions: which motion is kept still (`motion_rows`, `write_motion`),
-    where its forces act (`forces`, `normal`, `write_forces`), and which forces are possible
-    (`cone`, `friction_use`). Here each point is kept still along `force_axes` (eq. 5.1 of the
-    thesis) and carries a force along them: all three with friction, else the normal alone. A
-    kind that changes `force_axes` only needs nothing else.
+    A kind defines which motion is constrained (`motion_rows`, `write_motion`), where its forces
+    act (`forces`, `normal`, `write_forces`), and which forces are admissible (`cone`,
+    `friction_use`). Here each point is fixed along `force_axes` (eq. 5.1 of the thesis) and
+    carries a force along them: all three axes with friction, else the normal only. A kind that
+    differs only in its axes overrides `force_axes` and nothing else.
     """
+
+    entry: ClassVar[type[ContactFields]] = ContactFields  # fields in robot.yaml
 
     name: str  # as in contacts/<name> and in schedules
     frame_id: int
     points: Array  # (p, 3) [m] in the frame
-    axes: Array  # (3, 3) rows: two tangents, then the normal; world axes
+    axes: Array  # (3, 3) rows: two tangents, normal; world axes
     friction: float  # [-]
     force_lower: float  # [N] normal force of all points together, without a generator
     force_upper: float  # [N]
     active: bool  # at the start
     on_stale: OnStale
     force_task: ContactForceTask | None = None
-    sensing: Sensing | None = None  # None: it follows its schedule alone
+    sensing: Sensing | None = None  # None: schedule only
 
     @property
     def force_axes(self) -> Array:
@@ -110,17 +112,18 @@ class Contact:
 
     @property
     def motion_rows(self) -> int:
-        """How many accelerations it fixes, q."""
+        """Number of constrained accelerations, q."""
         return self.forces
 
     def write_motion(self, frame: FrameTerms, jacobian: Array, target: Array) -> None:
-        """Write J (q, n) and the accelerations J x (q,) that keep it still.
+        """Write J (q, n) and the accelerations J x (q,) that keep the contact at rest.
 
         Args:
-            frame: its frame at the last `model.update`.
+            frame: the contact's frame at the last `model.update`.
         """
         write_point_motion(
             frame.rotation,
+            frame.jacobian,
             frame.velocity,
             frame.drift,
             self.points,
@@ -132,7 +135,7 @@ class Contact:
 
     @property
     def forces(self) -> int:
-        """How many force coordinates it has, c."""
+        """Number of force coordinates, c."""
         return self.points.shape[0] * self.force_axes.shape[0]
 
     @property
@@ -147,12 +150,12 @@ class Contact:
         write_force_map(frame.rotation, frame.jacobian, self.points, self.force_axes, jacobian)
 
     def cone(self) -> Array:
-        """Rows (r, c) with rows f <= 0: what friction can hold, and that nothing pulls."""
+        """Rows (r, c) with rows f <= 0: friction pyramid and unilateral normal forces."""
         one = point_cone(self.friction, self.force_axes)
         return np.asarray(np.kron(np.eye(self.points.shape[0]), one), dtype=np.float64)
 
     def friction_use(self, force: Array) -> float:
-        """Largest |F_t| / (mu F_n) [-] of a point, of f (c,) [N]; 0 without friction."""
+        """Largest |F_t| / (mu F_n) [-] over the points, for f (c,) [N]; 0 without friction."""
         if self.friction == 0.0 or self.force_axes.shape[0] == 1:
             return 0.0
         return largest_friction_use(force.reshape(-1, 3), self.friction)
@@ -164,7 +167,7 @@ class Contact:
         Raises:
             ConfigurationError: a field that is missing, unknown or out of range.
         """
-        given = read(fields, ContactFields, names={"frame": model.frame_names})
+        given = read(fields, cls.entry, names={"frame": model.frame_names})
         task = given.force_task
         return cls(
             given.name,
@@ -182,20 +185,20 @@ class Contact:
 
 
 class ContactForceTask(Follower):
-    """|F_n - F_ref|^2, beside the tasks of the hierarchy: a force that a contact shall carry.
+    """Force task |F_n - F_ref|^2 of a contact, outside the hierarchy of motion tasks.
 
-    It has no rows on accelerations: contact forces are variables of the QP, so that its weight
-    enters their cost. A reference gives `wrench` (1,), F_ref [N] as the surroundings push, and
-    `position` (1,), the share of the weight, 0 to 1: a task that fades in or out (section 5.1 of
-    the thesis on the approach of Salini).
+    It has no rows on accelerations: contact forces are QP variables, and the task enters their
+    cost. A reference gives `wrench` (1,), F_ref [N] exerted by the environment, and `position`
+    (1,), the fraction 0 to 1 of the weight, to fade the task in or out (thesis, section 5.1, on
+    the approach of Salini).
     """
 
     def __init__(self, name: str, weight: float) -> None:
         super().__init__(name, ("normal",))
-        self.weight = weight  # [-] beside the unit weight of task accelerations
+        self.weight = weight  # [-] relative to the unit weight of task accelerations
 
     def current(self, model: RobotModel) -> Array:  # noqa: ARG002
-        """Without a reference it is off: share 0."""
+        """Without a reference the task is off: weight fraction 0."""
         return np.zeros(1)
 
 
@@ -203,7 +206,7 @@ def contact_axes(normal: Array, name: str) -> Array:
     """Rows: two tangents and the unit normal, right-handed, (3, 3).
 
     Raises:
-        InvalidValue: the normal has no direction.
+        InvalidValue: the normal is zero or not finite.
     """
     length = float(np.linalg.norm(normal))
     if not length > 1e-6:

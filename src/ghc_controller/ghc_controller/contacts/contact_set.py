@@ -1,4 +1,4 @@
-"""The contacts that are on, as rows of the control problem."""
+"""The active contacts as rows of the control problem."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ghc_controller.constraints.constraint import Rows
-from ghc_controller.contacts.contact import Contact
+from ghc_controller.contacts.contact import STOPPING_RATE, Contact
 from ghc_controller.contacts.force_cost import ForceCost
-from ghc_controller.contacts.kernels import force_limits
 from ghc_controller.contacts.normal_bounds import NormalBounds
+from ghc_controller.contacts.surface import SurfaceContact
+from ghc_controller.core import ContactMotion, native
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.problem.control_problem import ContactRows
@@ -24,7 +25,7 @@ _NONE = np.zeros(0)
 
 
 class _Part(NamedTuple):
-    """One contact that is on."""
+    """One active contact."""
 
     contact: Contact
     force: slice  # its entries in c
@@ -33,26 +34,28 @@ class _Part(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """What stays the same while the same contacts are on; q, c and r as in ContactRows."""
+    """Data that is constant for a set of active contacts; q, c and r as in ContactRows."""
 
-    places: NDArray[np.intp]  # of the contacts that are on
+    places: NDArray[np.intp]  # of the active contacts
     parts: tuple[_Part, ...]  # the same contacts
+    motion: ContactMotion  # of contact kinds compiled in the core
+    plugged: tuple[_Part, ...]  # the others
     motion_rows: int  # q
-    normals: Array  # (contacts on, c) sums of their normal forces
-    normal_names: tuple[str, ...]  # (contacts on,)
+    normals: Array  # (active contacts, c) sums of their normal forces
+    normal_names: tuple[str, ...]  # (active contacts,)
     cones: Rows  # (r, c) rows at most 0
     no_rows: Array  # (0, c)
-    forces: tuple[tuple[str, slice], ...]  # names of the contacts, and their entries of c
+    forces: tuple[tuple[str, slice], ...]  # names of the contacts, and their entries in c
 
 
 class ContactSet:
-    """All contacts of a robot; which of them are on may change from tick to tick."""
+    """All contacts of a robot; the set of active ones may change at every tick."""
 
     def __init__(self, contacts: Sequence[Contact], weight_force: float = 0.0) -> None:
-        """Take contacts in the order of the robot's file.
+        """Contacts in the order of robot.yaml.
 
         Args:
-            weight_force: [N] of a robot that stands on them; 0 where it is fixed.
+            weight_force: [N] weight of a robot that stands on them; 0 for a fixed base.
 
         Raises:
             InvalidValue: two share a name.
@@ -73,9 +76,9 @@ class ContactSet:
         references: ReferenceSchedule,
         time: float,
     ) -> ContactRows | None:
-        """Rows of the contacts that are on at the last `model.update`; None without any.
+        """Rows of the active contacts at the last `model.update`; None without any.
 
-        Those on the forces are constraints of their own: `normal_rows`, `cone_rows`.
+        Constraints on the forces are separate: `normal_rows`, `cone_rows`.
 
         Args:
             references: of the force tasks, by the name of the contact.
@@ -91,7 +94,8 @@ class ContactSet:
         q, c = layout.motion_rows, layout.normals.shape[1]
         force_jacobian = np.empty((c, model.nv))
         jacobian, drift_target = np.empty((q, model.nv)), np.empty(q)
-        for contact, force, motion in layout.parts:
+        layout.motion.write(model.core, jacobian, drift_target, force_jacobian)
+        for contact, force, motion in layout.plugged:
             frame = model.frame(contact.frame_id)
             contact.write_forces(frame, force_jacobian[force])
             contact.write_motion(frame, jacobian[motion], drift_target[motion])
@@ -109,26 +113,31 @@ class ContactSet:
             forces=layout.forces,
         )
 
+    @property
+    def none_on(self) -> bool:
+        """Whether no contact was on at the last `rows`."""
+        return self._on is None
+
     def normal_rows(self) -> Rows | None:
         """Bounds on the normal force of each contact of the last `rows` (thesis, eq. 5.5)."""
         if self._on is None:
             return None
         layout, bounds = self._on
-        lower, upper = force_limits(bounds.lower, bounds.upper, layout.places)
+        lower, upper = native.force_limits(bounds.lower, bounds.upper, layout.places)
         return Rows(layout.normals, lower, upper, layout.normal_names)
 
     def cone_rows(self) -> Rows | None:
-        """What friction can hold, at each contact of the last `rows` (thesis, eq. 5.3)."""
+        """Friction constraints of each contact of the last `rows` (thesis, eq. 5.3)."""
         return None if self._on is None else self._on[0].cones
 
     def begin(self, time: float) -> None:
-        """Start a step at `time` [s]; the same time again starts from the same forces."""
+        """Start a step at `time` [s]; repeating a time starts from the same forces."""
         self._cost.begin(time)
 
     def remember(self, active: tuple[bool, ...], force: Array) -> None:
-        """Take the forces (c,) of the QP, with the contacts that were on, for the next step.
+        """Store the forces (c,) of the QP and the active contacts for the next step.
 
-        Without forces, where no QP was solved, those of the step before stay.
+        If no QP was solved there are no forces, and those of the previous step are kept.
         """
         for place, on in enumerate(active):
             if not on:
@@ -139,19 +148,19 @@ class ContactSet:
                 self._cost.remember(int(place), force[part.force])
 
     def knows_forces(self, active: tuple[bool, ...]) -> bool:
-        """False when a contact is on whose forces the cost needs and does not know yet."""
-        return self._cost.knows(np.flatnonzero(active))
+        """False if the cost needs the forces of an active contact and has none yet."""
+        return self._cost.knows(active)
 
     def advance(self) -> None:
-        """Let the next rows count on the forces that were remembered, at the same time still."""
+        """Expand the cost of the next rows about the stored forces, at the same time."""
         self._cost.advance()
 
     def reset(self) -> None:
-        """Forget the forces of the step before."""
+        """Discard the forces of the previous step."""
         self._cost.reset()
 
     def normal_forces(self, active: tuple[bool, ...], force: Array) -> Array:
-        """Normal force [N] of every contact, zero where it is off, of forces (c,) of the QP."""
+        """Normal force [N] of every contact, zero if inactive, from QP forces (c,)."""
         normal = np.zeros(len(self.contacts))
         layout = self._layouts.get(active)
         if layout is not None and force.shape[0]:
@@ -159,9 +168,9 @@ class ContactSet:
         return normal
 
     def friction_use(self, active: tuple[bool, ...], force: Array) -> Array:
-        """Largest |F_t| / (mu F_n) [-] of the points of every contact, of forces (c,) of the QP.
+        """Largest |F_t| / (mu F_n) [-] over the points of every contact, from QP forces (c,).
 
-        0 where a contact is off, has no friction, or carries next to nothing.
+        0 for contacts that are inactive, have no friction, or carry almost no force.
         """
         use = np.zeros(len(self.contacts))
         layout = self._layouts.get(active)
@@ -193,14 +202,38 @@ def _layout(contacts: tuple[Contact, ...], active: tuple[bool, ...]) -> _Layout:
         rows[:, force] = cone
         cones.append(rows)
         cone_names += [f"contact.{contact.name}.friction"] * cone.shape[0]
-    r = len(cone_names)
+    r, cone_matrix = len(cone_names), np.vstack(cones)
+    for matrix in (normals, cone_matrix):
+        matrix.flags.writeable = False  # see Rows
     return _Layout(
         places,
         tuple(parts),
+        *_moved(parts),
         q,
         normals,
         tuple(names),
-        Rows(np.vstack(cones), np.full(r, -np.inf), np.zeros(r), tuple(cone_names)),
+        Rows(cone_matrix, np.full(r, -np.inf), np.zeros(r), tuple(cone_names)),
         np.zeros((0, c)),
         tuple((part.contact.name, part.force) for part in parts),
     )
+
+
+def _moved(parts: Sequence[_Part]) -> tuple[ContactMotion, tuple[_Part, ...]]:
+    """Splits the contacts into those whose rows the core computes, and others."""
+    core, plugged = ContactMotion(STOPPING_RATE), []
+    for part in parts:
+        contact, kind = part.contact, type(part.contact)
+        whole = kind.write_motion is SurfaceContact.write_motion
+        known = whole or kind.write_motion is Contact.write_motion
+        if known and kind.write_forces is Contact.write_forces:
+            core.add(
+                contact.frame_id,
+                contact.points,
+                contact.force_axes,
+                whole,
+                part.force.start,
+                part.motion.start,
+            )
+        else:
+            plugged.append(part)
+    return core, tuple(plugged)

@@ -1,4 +1,4 @@
-"""Normal forces and friction of the contacts that are on, as constraints on their forces."""
+"""Normal force bounds and friction of the active contacts, as constraints on their forces."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from ghc_controller.contacts.contact_set import ContactSet
 
 
 class NormalForce(Constraint):
-    """F_lower <= F_n <= F_upper of each contact (thesis, eq. 5.5); relaxed after all others.
+    """F_lower <= F_n <= F_upper of each contact (thesis, eq. 5.5); relaxed last.
 
-    The bounds are those that `ContactSet.rows` was given: of robot.yaml, or of a generator.
+    The bounds are those passed to `ContactSet.rows`: of robot.yaml, or of a generator.
     """
 
     space = Space.FORCE
@@ -20,13 +20,18 @@ class NormalForce(Constraint):
         super().__init__(name)
         self._contacts = contacts
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no contact is on."""
+        return self._contacts.none_on
+
     def rows(self, tick: Tick) -> Rows | None:  # noqa: ARG002
-        """A row for each contact that is on."""
+        """One row per active contact."""
         return self._contacts.normal_rows()
 
 
 class FrictionCone(Constraint):
-    """What each contact's kind says of its forces, such as a pyramid (thesis, eq. 5.3)."""
+    """The force constraints of each contact kind, such as a friction pyramid (thesis, eq. 5.3)."""
 
     space = Space.FORCE
     softness = Softness.HARD
@@ -36,6 +41,11 @@ class FrictionCone(Constraint):
         super().__init__(name)
         self._contacts = contacts
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no contact is on."""
+        return self._contacts.none_on
+
     def rows(self, tick: Tick) -> Rows | None:  # noqa: ARG002
-        """Rows of all contacts that are on."""
+        """Rows of all active contacts."""
         return self._contacts.cone_rows()

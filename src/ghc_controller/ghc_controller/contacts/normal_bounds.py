@@ -1,4 +1,4 @@
-"""Bounds on normal forces, and the way from those in force to a plan that comes late."""
+"""Bounds on normal forces, and the transition from current bounds to a late plan."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 
 from ghc_controller.types import Array
 
-# How long the way is, in units of the delay. While a plan is under way the bounds go on as the
-# plan before says, so the gap is what both differ in over the delay: over ten times that it adds
-# at most a tenth to the rates of the plans.
+# Duration of the transition in units of the delay. Until a late plan arrives, the bounds follow
+# the previous plan, so the gap is what both differ by over the delay. Closing it over ten times
+# the delay adds at most a tenth to the rates of the plans.
 WAY_PER_DELAY = 10.0  # [-]
 
 
 @dataclass(frozen=True, slots=True)
 class NormalBounds:
-    """F_lower <= F_n <= F_upper of every contact (thesis, eq. 5.5), and which contacts are on."""
+    """F_lower <= F_n <= F_upper of every contact (thesis, eq. 5.5), and the active contacts."""
 
     lower: Array  # (c,) [N]
     upper: Array  # (c,) [N]
@@ -26,26 +26,26 @@ class NormalBounds:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """What is left of the gap between bounds in force and plan, smaller and smaller until `end`.
+    """Remaining gap between current bounds and plan, which decreases to zero at `end`.
 
-    Only bounds that are tighter than the plan wait for it to come near. What is looser is given
-    up at once, since the raw bound may lie on the plan: so nothing is ever looser than the plan.
+    Only bounds tighter than the plan approach it gradually. Looser bounds change at once, since
+    the plan may lie on the raw bound: no bound is ever looser than the plan.
     """
 
     begin: float  # [s]
     end: float  # [s]
-    lower: Array  # (c,) [N] 0 or more, added to the plan's lower bounds at `begin`
-    upper: Array  # (c,) [N] 0 or less, added to the upper ones
+    lower: Array  # (c,) [N] >= 0, added to the plan's lower bounds at `begin`
+    upper: Array  # (c,) [N] <= 0, added to the upper bounds
 
     @classmethod
     def begun(
         cls, now: float, delay: float, in_force: NormalBounds, plan: NormalBounds, old: Way | None
     ) -> Way | None:
-        """Way from the bounds in force at `now` [s] to those that a plan has then; None = there.
+        """Transition from the current bounds at `now` [s] to those of a plan; None = no gap.
 
-        `delay` [s] is that of the plan. With an `old` way under way only what the gap has grown
-        takes time of its own: where each plan is late, but says the same as the one before, the
-        old way is gone to its end.
+        `delay` [s] is that of the plan. During an `old` transition only the growth of the gap
+        takes additional time: if each plan is late but equal to the one before, the old
+        transition is completed.
         """
         lower = np.maximum(in_force.lower - plan.lower, 0.0)
         upper = np.minimum(in_force.upper - plan.upper, 0.0)
@@ -60,12 +60,12 @@ class Way:
         return cls(now, now + max(remaining, WAY_PER_DELAY * delay * new), lower, upper)
 
     def left(self, time: float) -> float:
-        """Share of the way that is left at `time` [s]."""
+        """Remaining fraction of the gap at `time` [s]."""
         share = (self.end - time) / (self.end - self.begin) if self.end > self.begin else 0.0
         return min(max(share, 0.0), 1.0)
 
     def narrow(self, time: float, lower: Array, upper: Array) -> None:
-        """Move bounds (c,) of the plan at `time` [s], in place, to where they are on the way."""
+        """Add the remaining gap at `time` [s] to bounds (c,) of the plan, in place."""
         left = self.left(time)
         if left == 0.0:
             return

@@ -1,4 +1,4 @@
-"""What friction can hold at one point."""
+"""Friction pyramid of one point."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from ghc_controller.types import Array
 
-CARRIES = 0.1  # [N] of normal force: below it the share of friction is noise
+CARRIES = 0.1  # [N] normal force below which the friction ratio is noise
 _PYRAMID = np.sqrt(2.0)  # a pyramid with friction mu / sqrt(2) lies inside the cone with mu
 
 

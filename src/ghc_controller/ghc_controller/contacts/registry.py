@@ -18,7 +18,7 @@ register_contact = CONTACTS.register
 
 
 def make_contact(fields: Fields, model: RobotModel) -> Contact:
-    """Build the contact that one entry of `contacts` in robot.yaml describes.
+    """Build a contact from one entry of `contacts` in robot.yaml.
 
     Raises:
         ConfigurationError: unknown kind, or a field that is missing, unknown or out of range.

@@ -1,4 +1,4 @@
-"""The default kind of a contact: a surface or points, by what it is."""
+"""The default contact kind: surface or point, by its friction and number of points."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ register_contact("point")(Contact)
 
 @register_contact(DEFAULT_CONTACT)
 class RigidContact(Contact):
-    """A surface where it has friction and three points or more, else points."""
+    """A surface contact if it has friction and at least three points, else a point contact."""
 
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> Contact:  # type: ignore[override]
-        """Build what it is from one entry of `contacts`."""
+        """Build a surface or point contact from one entry of `contacts`."""
         made = Contact.from_config(fields, model)
         if made.friction > 0.0 and made.points.shape[0] >= SURFACE_POINTS:
             return SurfaceContact.from_config(fields, model)

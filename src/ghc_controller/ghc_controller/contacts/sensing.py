@@ -1,8 +1,9 @@
-"""What a contact feels decides with the schedule whether it is on: touches come early or late."""
+"""Contact detection: measured forces confirm the schedule, for early and late touch-downs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,23 +20,23 @@ class _Touch:
     """Memory of one contact."""
 
     on: bool
-    since: float = -np.inf  # [s] when it was last switched on by a touch that came late
-    early: bool = False  # it was switched on before its time, and that is still to come
-    break_due: float = np.inf  # [s] first time at which the schedule had it off while it was on
-    is_new: bool = True  # nothing was felt yet: a force then is none that has just come
+    since: float = -np.inf  # [s] of the last activation by a late touch-down
+    early: bool = False  # activated before its scheduled time, which is still ahead
+    break_due: float = np.inf  # [s] time of a scheduled lift-off while it is active
+    is_new: bool = True  # no measurement yet: a force at first is not a touch-down
 
 
 class ContactSensing:
     """Confirms the schedule by the measured normal force, contact by contact.
 
-    - A contact that the schedule switches on comes on when it is felt. Until then its task goes
-      on, and lowers it when its reference does; afterwards its upper bound rises at `rise_rate`
-      from `threshold`, about the force that its task pressed with, so that no force jumps. One
-      that carries at the first look is on at once.
-    - A touch up to `early` before its time switches it on at once. Where the planned bound still
-      grants less, `threshold` is granted: the contact is kept still, and is not pressed further.
-    - A break is carried out when the force has gone, at the latest after `patience`; not when the
-      plan has ended because its generator is silent.
+    - A scheduled contact is activated when it is detected. Until then its task stays active and
+      keeps lowering it if its reference does; afterwards the upper bound rises at `rise_rate`
+      from `threshold`, about the force with which the task pressed, so that no force jumps. A
+      contact that carries a force at the first measurement is activated at once.
+    - A touch-down up to `early` before its time activates the contact at once. Where the planned
+      bound is lower, `threshold` applies: the contact is kept still and not pressed further.
+    - A scheduled lift-off takes effect when the force is gone, at the latest after `patience`;
+      not if the plan has ended because its generator timed out.
 
     Contacts without `sensing`, or without a measured wrench, follow the schedule alone.
     """
@@ -47,16 +48,21 @@ class ContactSensing:
         self.reset()
 
     def reset(self) -> None:
-        """Forget what was felt."""
+        """Reset the detection."""
         self._touches = [_Touch(contact.active) for contact in self._contacts]
+
+    @property
+    def is_used(self) -> bool:
+        """Whether a contact is confirmed by what is felt."""
+        return self._is_used
 
     def confirm(
         self, planned: NormalBounds, time: float, wrenches: Mapping[str, Array]
     ) -> NormalBounds:
-        """Bounds with those contacts on that are felt to be; a repeated time changes nothing.
+        """Bounds with the detected contacts active; repeating a time changes nothing.
 
         Args:
-            wrenches: name -> (6,) of the surroundings on the robot, world axes.
+            wrenches: name -> (6,) of the environment on the robot, world axes.
         """
         if not self._is_used:
             return planned
@@ -76,9 +82,19 @@ class ContactSensing:
                 upper[k] = self._allowed(contact.sensing, touch, planned.upper[k], time)
         return replace(planned, active=tuple(active), upper=upper)
 
+    def preview(
+        self, planned: NormalBounds, time: float, wrenches: Mapping[str, Array]
+    ) -> NormalBounds:
+        """As `confirm`, and nothing is remembered: for a state that is not answered."""
+        kept = [copy(touch) for touch in self._touches]
+        try:
+            return self.confirm(planned, time, wrenches)
+        finally:
+            self._touches = kept
+
     @staticmethod
     def _allowed(sensing: Sensing, touch: _Touch, planned: float, time: float) -> float:
-        """Upper bound [N] of a contact that is on, where it touched late or early."""
+        """Upper bound [N] of an active contact after a late or early touch-down."""
         if np.isfinite(touch.since):
             return min(planned, sensing.threshold + sensing.rise_rate * (time - touch.since))
         return max(planned, sensing.threshold) if touch.early else planned
@@ -94,7 +110,7 @@ class ContactSensing:
                 touch.on, touch.since = True, -np.inf if touch.is_new else time
         elif touch.on:
             if self._contacts[k].name in planned.stale:
-                return  # its generator is silent: nobody asks for a break
+                return  # its generator has timed out: no lift-off is scheduled
             if touch.early and self._bounds.largest_ahead(k, time, sensing.early) > 0.0:
                 return
             touch.break_due = min(touch.break_due, time)

@@ -1,4 +1,4 @@
-"""Numbers by which a contact is sensed."""
+"""Settings of contact detection."""
 
 from __future__ import annotations
 

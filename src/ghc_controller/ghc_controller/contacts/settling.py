@@ -1,4 +1,4 @@
-"""The answer of a step in which a contact comes on, with forces that do not jump in the next."""
+"""Repeated solves when a contact is activated, so that forces do not jump in the next step."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ghc_controller.formulations import Formulation
 from ghc_controller.problem.control_problem import ContactRows, ControlProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus
 
-_FURTHER_SOLVES = 3  # at most, in a step in which a contact comes on
-_SETTLED = 1e-2  # [Nm] change of torque between two of them that ends it
+_FURTHER_SOLVES = 3  # at most, in a step that activates a contact
+_SETTLED = 1e-2  # [Nm] change of torque between two solves that ends the iteration
 
 
 def solve_settled(
@@ -23,28 +23,26 @@ def solve_settled(
     active: tuple[bool, ...],
     rows: Callable[[], ContactRows | None],
 ) -> Solution:
-    """Solve, and again where a contact has just come on: its cost expands about forces of before.
+    """Solve; repeat if a contact was just activated, since its cost expands about past forces.
 
     Args:
-        contacts: remembers the forces for the next step.
-        active: (contacts,) which of them are on.
-        rows: those of `problem.contacts` anew, with the forces that were remembered last.
+        contacts: stores the forces for the next step.
+        active: (contacts,) which of them are active.
+        rows: recomputes those of `problem.contacts` with the forces stored last.
     """
-    name = problem.not_finite()
-    if name:
-        return Solution.without_answer(problem, f"{name} of the control problem is not finite")
-    solution = formulation.solve(problem)
+    solution = formulation.answer(problem)
     contacts.remember(active, solution.force)
     if contacts.knows_forces(active):
         return solution
     for _ in range(_FURTHER_SOLVES):
-        if solution.status is SolutionStatus.FAILED:
+        if solution.status is SolutionStatus.FAILED or formulation.solver.is_late:
             break
         contacts.advance()
         capped = formulation.solver.counts["capped"]
         again = formulation.solve(replace(problem, contacts=rows()))
-        if again.status is SolutionStatus.FAILED or formulation.solver.counts["capped"] > capped:
-            break  # the answer before it is complete
+        cut = formulation.solver.is_late or formulation.solver.counts["capped"] > capped
+        if again.status is SolutionStatus.FAILED or cut:
+            break  # the previous solution is complete
         contacts.remember(active, again.force)
         change, solution = np.abs(again.torque - solution.torque).max(), again
         if change < _SETTLED:

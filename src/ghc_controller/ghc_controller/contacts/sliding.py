@@ -1,4 +1,4 @@
-"""A sliding contact: free along the tangents, with kinetic friction or none."""
+"""A sliding contact: free along the tangents, with or without kinetic friction."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ghc_controller.contacts.contact import Contact
-from ghc_controller.contacts.kernels import write_force_map
 from ghc_controller.contacts.registry import register_contact
+from ghc_controller.core import write_force_map
 from ghc_controller.model.frames import FrameTerms
 from ghc_controller.types import Array
 
-_SLIDES = 0.01  # [m/s] below it friction fades to none: its direction is not known there
+_SLIDES = 0.01  # [m/s] friction fades to zero below this speed, where its direction is undefined
 
 
 @register_contact("sliding")
@@ -20,8 +20,8 @@ _SLIDES = 0.01  # [m/s] below it friction fades to none: its direction is not kn
 class SlidingContact(Contact):
     """Each point stays on its plane; `friction` is kinetic and acts against the motion.
 
-    The force of a point that moves with v_t along the plane is f (n - mu v_t / |v_t|), f >= 0:
-    one coordinate, so that no friction is left to choose and none can hold the point.
+    The force at a point that moves with v_t along the plane is f (n - mu v_t / |v_t|), f >= 0:
+    a single coordinate, since friction follows from the motion and cannot hold the point.
     """
 
     @property
@@ -30,7 +30,7 @@ class SlidingContact(Contact):
         return self.axes[2:]
 
     def write_forces(self, frame: FrameTerms, jacobian: Array) -> None:
-        """A row for each point, along normal and friction."""
+        """One row per point, along normal and friction."""
         normal = self.axes[2]
         for p, point in enumerate(self.points):
             velocity = frame.velocity[:3] + np.cross(frame.velocity[3:], frame.rotation @ point)
@@ -46,6 +46,6 @@ class SlidingContact(Contact):
             )
 
     def write_motion(self, frame: FrameTerms, jacobian: Array, target: Array) -> None:
-        """The motion along the normal, friction aside."""
+        """The motion along the normal, without friction."""
         super(SlidingContact, self).write_motion(frame, jacobian, target)
         write_force_map(frame.rotation, frame.jacobian, self.points, self.force_axes, jacobian)

@@ -1,4 +1,4 @@
-"""A surface contact: the frame is kept still as a whole."""
+"""A surface contact: all six coordinates of the frame are fixed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Self
 
 from ghc_controller.contacts.contact import STOPPING_RATE, Contact
-from ghc_controller.contacts.kernels import write_frame_motion
 from ghc_controller.contacts.registry import register_contact
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.frames import FrameTerms
@@ -14,13 +13,13 @@ from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.reader import Fields
 from ghc_controller.types import Array
 
-SURFACE_POINTS = 3  # as many points fix all six coordinates of a frame
+SURFACE_POINTS = 3  # points needed to fix all six coordinates of a frame
 
 
 @register_contact("surface")
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfaceContact(Contact):
-    """All six coordinates of the frame stay still (thesis, eq. 5.1), with forces at its points."""
+    """Fixes all six coordinates of the frame (thesis, eq. 5.1), with forces at its points."""
 
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> Self:
@@ -40,6 +39,5 @@ class SurfaceContact(Contact):
 
     def write_motion(self, frame: FrameTerms, jacobian: Array, target: Array) -> None:
         """The frame's own Jacobian."""
-        write_frame_motion(
-            frame.jacobian, frame.velocity, frame.drift, STOPPING_RATE, jacobian, target
-        )
+        jacobian[:] = frame.jacobian
+        target[:] = -frame.drift - STOPPING_RATE * frame.velocity

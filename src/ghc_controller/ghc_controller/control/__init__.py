@@ -1,1 +1,1 @@
-"""What a controller is asked for, and what it says of its steps; the loop is controller.py."""
+"""Requests to a controller, and its status; the loop is in controller.py."""

@@ -1,10 +1,14 @@
-"""What is asked of a controller: references, changes of priorities, to hold the robot."""
+"""Requests to a controller: references, transitions, and hold."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ghc_controller.control.tuning import Tuning
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import Formulation, blending_formulations
 from ghc_controller.hierarchy import (
@@ -28,8 +32,9 @@ class Requests:
     references: ReferenceSchedule
     force_references: ReferenceSchedule
     priorities: TransitionSchedule
+    tuning: Tuning
     _time: float  # [s] of the last state looked at
-    _stay: bool  # tasks stay where they were when references began
+    stays: bool  # tasks stay where they were when references began
     _events: list[TransitionEvent]
 
     def schedule_of(self, task: str) -> ReferenceSchedule:
@@ -85,7 +90,7 @@ class Requests:
 
         Args:
             position: as the task counts it: [m], [rad], or a quaternion x, y, z, w.
-            wrench: (m,) [N] to be exerted on the surroundings by rows under force control.
+            wrench: (m,) [N] to be exerted on the environment by rows under force control.
 
         Raises:
             UnknownName: there is no such task.
@@ -123,19 +128,33 @@ class Requests:
         )
         return self.add_transition(transition, self._time)
 
+    def tune(self, values: Mapping[str, Any], duration: float | None = None) -> None:
+        """Change gains, weights, limits or the formulation by a blend from the next step on.
+
+        Args:
+            values: by the names of parameters, such as `tasks.hand.stiffness`: `Tuning.names`.
+            duration: [s] of the blend; None = `tuning_duration` of the settings.
+
+        Raises:
+            UnknownName, ConfigurationError: a name or value that is not known.
+            InvalidValue: what cannot change while the controller runs, with the reason.
+        """
+        self.tuning.begin(self.tuning.check(values), duration)
+
     def hold(self) -> None:
         """Keep the robot where it is at the next state, until `activate`.
 
         Forgets references and transitions; tasks of the robot's file with a reference of their
         own stay where they are too.
         """
-        self._stay = True
+        self.stays = True
         self.references.reset()
         self.force_references.reset()
         self._events += self.priorities.cancel(self._time)
 
     def activate(self) -> None:
         """Leave `hold`: tasks without a reference follow the robot's file, or stay."""
-        if self._stay:
-            self._stay = False
-            self.references.begin(self.model)
+        if self.stays:
+            self.stays = False
+            if self.references.has_begun:  # else with the next state
+                self.references.begin(self.model)

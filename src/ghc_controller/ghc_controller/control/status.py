@@ -1,4 +1,4 @@
-"""What a controller says of its steps: the report of the last one, and counts of all."""
+"""Status of a controller: report of the last step, and counts over all steps."""
 
 from __future__ import annotations
 
@@ -37,6 +37,11 @@ class StatusReports:
     _last: StepResult | None
     _limits: Limits | None
 
+    @property
+    def has_stepped(self) -> bool:
+        """Whether a step was made since the start or the last reset."""
+        return self._last is not None
+
     def report(self) -> Report:
         """Status of the last step; call it before the next one.
 
@@ -60,7 +65,7 @@ class StatusReports:
             contacts,
             loads,
             tuple(ObstacleReport(planned, state) for planned, state in states),
-            self.counts | self.gate.counts,
+            self.counts | self.formulation.solver.counts | self.gate.counts,
             limit_reports(self.constraints.limits, result.time),
         )
 

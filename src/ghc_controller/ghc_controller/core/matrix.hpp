@@ -15,4 +15,14 @@ using ConstMatrix = Eigen::Map<const Matrix>;
 using ConstVector = Eigen::Map<const Vector>;
 using Index = Eigen::Index;
 
+// Memory of an array; without entries where there is none.
+struct View {
+  const double* data = nullptr;
+  Index rows = 0, cols = 0;
+
+  ConstMatrix matrix() const { return {data, rows, cols}; }
+  ConstVector vector() const { return {data, rows * cols}; }
+  Index size() const { return rows * cols; }
+};
+
 }  // namespace ghc

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ghc_controller.core import native
 from ghc_controller.formulations.formulation import Formulation
-from ghc_controller.formulations.kernels import (
-    balanced_system,
-    balanced_target,
-)
 from ghc_controller.formulations.nearest_answer import nearest_answer
 from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import guarded_solve, projected_terms
-from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import is_order
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts
 from ghc_controller.problem.solution import Solution
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Starts
 
 _GUARD = 0.02  # [-] of w: below it the target system is damped
 
@@ -33,18 +29,18 @@ class BalancedGhc(Formulation):
     """
 
     name = "balanced"
-    layer_damping = 2.5e-6  # calms the arm where a task loses a direction, at 1e-5 m and less
+    layer_damping = 2.5e-6  # damps the motion where a task loses a direction, at 1e-5 m and less
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         settings = self.settings
         reduced = reduce_contacts(problem)
-        origin, wanted = reduced.about_rest(settings.velocity_damping)
+        origin, wanted = reduced.about_rest(settings.rest_damping)
         target = origin
         if problem.second_order is not None and len(origin):
             target = origin + self._second_order_target(reduced, origin, wanted)
         elif len(origin):  # contacts may leave no motion
-            moved, _ = balanced_target(
+            moved, _ = native.balanced_target(
                 reduced.jacobian,
                 wanted,
                 problem.starts,
@@ -60,7 +56,7 @@ class BalancedGhc(Formulation):
     def _second_order_target(self, reduced: ReducedProblem, origin: Array, wanted: Array) -> Array:
         """x* - y_0, [sum P_i (J_i^T J_i + S_i) + w I] x* = sum P_i (J_i^T b_i - kd S_i v)."""
         source, w = reduced.source, self.settings.regularization
-        system, projectors = balanced_system(
+        system, projectors = native.balanced_system(
             reduced.jacobian,
             source.starts,
             source.alpha,
@@ -86,7 +82,7 @@ class BalancedGhc(Formulation):
         def measure(alpha: Array) -> float:
             if is_order(alpha):  # also of no task: all joints brake
                 return 1.0
-            system, _ = balanced_system(
+            system, _ = native.balanced_system(
                 jacobian, starts, alpha, w, projector.rank_tolerance, projector.layer_damping
             )
             sign, _ = np.linalg.slogdet(system)

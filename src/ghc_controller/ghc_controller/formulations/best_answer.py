@@ -32,6 +32,10 @@ class BestAnswer:
         assert self._answer is not None
         return self._answer
 
+    def leave_out(self, depth: int) -> None:
+        """End the descent before level `depth`, since its time is over."""
+        self._answer = self.answer._replace(levels_dropped=self._levels - depth)
+
     def accept(self, depth: int, found: Solution) -> bool:
         """Take the answer of level `depth` (0 is the first); whether the descent goes on."""
         above = self._answer

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ghc_controller.core import native
 from ghc_controller.formulations.formulation import (
     Formulation,
     FormulationSettings,
     Metric,
     TorqueRegularization,
 )
-from ghc_controller.formulations.kernels import ghc_factor, ghc_target
 from ghc_controller.formulations.metrics import metric_root
 from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.problem.bounded_qp import solve_bounded, solve_qp, unbounded_answer
@@ -23,7 +23,7 @@ from ghc_controller.types import Array
 
 @register_formulation
 class CondensedGhc(Formulation):
-    """Eq. 13 of the GHC paper with the task variables nu'_i minimised out.
+    """Eq. 13 of the GHC paper with the task variables nu'_i minimized out.
 
     With x = sum_i P_i nu'_i fixed, the least cost of the nu'_i is w/2 (x - x0)^T G^-1 (x - x0).
     L L^T = G and x = x0 + L s leave 1/2 |s|^2 over n variables, and no QP where x0 is feasible.
@@ -50,7 +50,7 @@ class CondensedGhc(Formulation):
         if settings.metric is not Metric.ACCELERATION:
             root = metric_root(reduced, settings.metric)
             rows = rows @ root
-        moved, projectors = ghc_target(
+        moved, projectors = native.ghc_target(
             rows,
             target,
             problem.starts,
@@ -64,7 +64,7 @@ class CondensedGhc(Formulation):
         answer = unbounded_answer(reduced, x0) if unweighted else None
         if answer is not None:
             return answer
-        factor = ghc_factor(
+        factor = native.ghc_factor(
             rows,
             problem.starts,
             problem.alpha,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ghc_controller.core import native
 from ghc_controller.formulations.best_answer import BestAnswer
 from ghc_controller.formulations.cascade.force_center import balanced_contacts
 from ghc_controller.formulations.cascade.level_answers import (
@@ -17,10 +18,8 @@ from ghc_controller.formulations.formulation import Formulation
 from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import level_term
 from ghc_controller.hierarchy.levels import levels
-from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_qp
 from ghc_controller.problem.control_problem import ControlProblem
-from ghc_controller.problem.reduction import reduce_contacts
 from ghc_controller.problem.solution import Solution
 from ghc_controller.types import Array
 
@@ -47,10 +46,10 @@ class Hqp(Formulation):
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         settings = self.settings
-        reduced, forces = balanced_contacts(reduce_contacts(problem))
+        reduced, forces = balanced_contacts(problem)
         y, null = np.zeros(reduced.jacobian.shape[1]), np.eye(reduced.jacobian.shape[1])
         if settings.hqp_damps_velocity:
-            y, _ = reduced.about_rest(settings.velocity_damping)
+            y, _ = reduced.about_rest(settings.rest_damping)
         order = levels(problem.alpha) or [[]]  # without an active task a level of no row
         best = BestAnswer(problem, len(order))
         above = np.zeros(len(problem.target))  # 1 for rows of the levels before
@@ -69,7 +68,7 @@ class Hqp(Formulation):
                 hessian += null.T @ term.matrix @ null
                 right -= null.T @ (term.pull + term.matrix @ y)
             above[index] = 1.0
-            factor = inverse_factor(hessian)
+            factor = native.inverse_factor(hessian)
             optimum = y + null @ (factor @ (factor.T @ right))
             below = null @ _null_space(local, settings.rank_tolerance)
             found = free_answer(reduced, forces, optimum)

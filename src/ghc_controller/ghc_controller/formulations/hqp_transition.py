@@ -8,14 +8,13 @@ from ghc_controller.formulations.cascade.blend import blend
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.formulations.hqp import Hqp
 from ghc_controller.formulations.registry import register_formulation
-from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.orders_only import orders_only
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.solution import Solution
 from ghc_controller.qp import QpSolver
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Starts
 
 
 @register_formulation
@@ -24,7 +23,7 @@ class HqpTransition(Formulation):
 
     Each candidate of a mixture of orders is answered by `hqp` with its settings, and the answers
     are blended: linear in the shares, feasible since the bounds are convex, and as many cascades
-    per step as orders are in force. A target that is no order is rejected.
+    per step as orders are active. A target that is no order is rejected.
     """
 
     name = "hqp_transition"

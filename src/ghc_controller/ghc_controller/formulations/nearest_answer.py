@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from ghc_controller.core import native
 from ghc_controller.formulations.formulation import FormulationSettings
-from ghc_controller.formulations.weight_kernels import weighted_system
-from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_qp, unbounded_answer
 from ghc_controller.problem.qp_rows import Parametrization
 from ghc_controller.problem.reduction import ReducedProblem
@@ -40,7 +39,7 @@ def metric_factor(reduced: ReducedProblem, alpha: Array, settings: FormulationSe
 
     The weights gamma_i fall by `metric_ratio` from one level of alpha (k, k) to the next.
     """
-    metric, _ = weighted_system(
+    metric, _ = native.weighted_system(
         reduced.jacobian,
         reduced.target,
         reduced.source.starts,
@@ -49,4 +48,4 @@ def metric_factor(reduced: ReducedProblem, alpha: Array, settings: FormulationSe
         LARGEST_WEIGHT,
         _METRIC_FLOOR,
     )
-    return inverse_factor(metric)
+    return native.inverse_factor(metric)

@@ -61,7 +61,7 @@ def make_formulation(
 def own_settings(name: str) -> type | None:
     """Dataclass of the settings that only this formulation has.
 
-    None where it has none, and of a name that does not exist: who makes it says so. Raises
+    None if it has none, or if no formulation has that name (see make_formulation). Raises
     PluginError.
     """
     try:

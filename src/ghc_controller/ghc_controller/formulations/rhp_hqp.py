@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ghc_controller.core import native
 from ghc_controller.formulations.best_answer import BestAnswer
 from ghc_controller.formulations.cascade.force_center import ForceCenter, balanced_contacts
 from ghc_controller.formulations.cascade.level_answers import (
@@ -19,17 +20,15 @@ from ghc_controller.formulations.cascade.level_answers import (
 )
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.formulations.registry import register_formulation
-from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.level_slots import LevelSlots
 from ghc_controller.hierarchy.orders_only import orders_only
 from ghc_controller.hierarchy.solvability import Solvability
-from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_qp
 from ghc_controller.problem.control_problem import ControlProblem
-from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts
+from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.problem.solution import Solution
 from ghc_controller.qp import QpSolver
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Starts
 
 
 @register_formulation
@@ -63,7 +62,7 @@ class RhpHqp(Formulation):
         settings = self.settings
         phi = self._slots.priority_matrix(problem.priorities.candidates)
         levels = _levels(problem.starts, phi)
-        reduced, forces = balanced_contacts(reduce_contacts(problem))
+        reduced, forces = balanced_contacts(problem)
         d = reduced.jacobian.shape[1]
         y, projector = np.zeros(d), np.eye(d)
         if settings.hqp_damps_velocity:
@@ -76,7 +75,7 @@ class RhpHqp(Formulation):
             wanted = share * (reduced.target[rows] - jacobian @ y)  # eq. 8
             weight = np.ones(len(rows)) if settings.rhp_constant_weights else np.sqrt(share)
             A, r = weight[:, None] * local, weight * wanted
-            factor = inverse_factor(A.T @ A + settings.regularization * np.eye(d))
+            factor = native.inverse_factor(A.T @ A + settings.regularization * np.eye(d))
             optimum = y + projector @ (factor @ (factor.T @ (A.T @ r)))
             found = self._bounded(reduced, forces, optimum, projector @ factor, is_last)
             if not best.accept(depth, found):

@@ -1,6 +1,6 @@
 """Second-order terms of tasks at torque level: (x + kd v)^T S (x + kd v) beside |J x - b|^2.
 
-The control law asks for J x = kp e - kd J v - dJ/dt v. Asked of the curvature as well,
+The control law requires J x = kp e - kd J v - dJ/dt v. Applied to the curvature as well,
     (J^T J + S) (x + kd v) = kp J^T e,
 it is the Newton step of gn_qn_2018 as a second-order system: where a target is out of reach S > 0
 takes the place of the direction that J loses, and the arm comes to rest there.

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from ghc_controller.core import native
 from ghc_controller.formulations.formulation import Formulation
 from ghc_controller.formulations.nearest_answer import LARGEST_WEIGHT
 from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.formulations.second_order import weighted_terms
-from ghc_controller.formulations.weight_kernels import priority_weights, weighted_system
-from ghc_controller.numerics.small_factors import inverse_factor
 from ghc_controller.problem.bounded_qp import solve_bounded
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization
@@ -30,8 +29,8 @@ class Weighted(Formulation):
         """See Formulation.solve."""
         settings = self.settings
         reduced = reduce_contacts(problem)
-        origin, target = reduced.about_rest(settings.velocity_damping)
-        hessian, right = weighted_system(
+        origin, target = reduced.about_rest(settings.rest_damping)
+        hessian, right = native.weighted_system(
             reduced.jacobian,
             target,
             problem.starts,
@@ -41,10 +40,10 @@ class Weighted(Formulation):
             settings.regularization,
         )
         if problem.second_order is not None:
-            weights = priority_weights(problem.alpha, settings.weight_ratio, LARGEST_WEIGHT)
+            weights = native.priority_weights(problem.alpha, settings.weight_ratio, LARGEST_WEIGHT)
             curved, pull = weighted_terms(reduced, weights, origin)
             hessian, right = hessian + curved, right - pull
-        factor = inverse_factor(hessian)
+        factor = native.inverse_factor(hessian)
         optimum = origin + factor @ (factor.T @ right)
         parametrization = Parametrization.whitened(optimum, factor, problem.contacts)
         return solve_bounded(reduced, parametrization, self.solver)

@@ -14,11 +14,11 @@ Levels = Sequence[Sequence[int]]  # tasks by level, highest first; a slot withou
 
 
 class LevelSlots:
-    """Which slot each level of each candidate of a mixture has; slots stay while a mixture does.
+    """Assigns each level of each candidate of a mixture to a slot, constant during a mixture.
 
-    A task that stays where it is keeps its slot when others leave or come, so that only a task
-    whose order changes moves. There are no more slots than levels of the longest order. A slot
-    that is empty in a candidate costs it nothing.
+    A task that keeps its place keeps its slot when others are inserted or removed, so that only
+    tasks whose order changes move. There are at most as many slots as levels in the longest
+    order. An empty slot costs nothing.
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class LevelSlots:
         keys = [candidate.alpha.tobytes() for candidate in candidates]
         kept = {key: self._kept[key] for key in keys if key in self._kept}
         if len(keys) == 1 and not all(kept.get(keys[0], ((),))):
-            kept = {}  # nothing to align with: forget the empty slots of a ramp that ended
+            kept = {}  # nothing to align with: drop the empty slots of the previous ramp
         for key, candidate in zip(keys, candidates, strict=True):
             if key not in kept:
                 kept = aligned(kept, key, [tuple(level) for level in levels(candidate.alpha)])
@@ -53,10 +53,10 @@ class LevelSlots:
 def aligned(
     others: dict[bytes, tuple[tuple[int, ...], ...]], key: bytes, order: Levels
 ) -> dict[bytes, tuple[tuple[int, ...], ...]]:
-    """The slots of `others` (all of one length) and of one order more, under its key.
+    """Slots of `others` (all of equal length) and of one more order, stored under its key.
 
-    Whichever is shorter is spread over the slots of the longer one, such that most tasks find
-    themselves in the same slot; the slots of `others` keep their place to each other.
+    The shorter one is spread over the slots of the longer one such that as many tasks as
+    possible share a slot; the slots of `others` stay aligned with each other.
     """
     count = len(next(iter(others.values()))) if others else 0
     united = [{task for filled in others.values() for task in filled[s]} for s in range(count)]
@@ -77,9 +77,9 @@ def _spread(order: Levels, places: Sequence[int], count: int) -> tuple[tuple[int
 
 
 def _places(short: Sequence[set[int]], long: Sequence[set[int]]) -> list[int]:
-    """Increasing places of the sets of `short` among those of `long`, most tasks in common.
+    """Increasing indices of the sets of `short` among those of `long`, with most tasks in common.
 
-    Of equally good ones that with the least shift.
+    Ties are broken by the smallest shift.
     """
     a, b = len(short), len(long)
     best = np.full((a + 1, b + 1), -np.inf)

@@ -1,4 +1,4 @@
-"""Levels of a priority matrix: what a cascade of strict orders makes of it."""
+"""Levels of a priority matrix, as used by a cascade of strict orders."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from ghc_controller.types import Array
 
 
 def levels(alpha: Array) -> list[list[int]]:
-    """Active tasks by level, highest first: those dominated by equally many others share one.
+    """Active tasks by level, highest first; tasks dominated by equally many others share a level.
 
     alpha (k, k); an entry above 1/2 counts as "above", a diagonal entry above 1/2 as removed.
     """
@@ -18,8 +18,8 @@ def levels(alpha: Array) -> list[list[int]]:
 def is_order(alpha: Array) -> bool:
     """True for a weak order: strict between levels, ties within a level, tasks on or off.
 
-    Values that no order has (between 0 and 1 across levels, cycles, one-sided ties, a task that
-    is partly removed) make it False.
+    False for values that no order has: between 0 and 1 across levels, cycles, one-sided ties,
+    partly removed tasks.
     """
     ranked = levels(alpha)
     if any(alpha[i, i] > 0.0 for level in ranked for i in level):

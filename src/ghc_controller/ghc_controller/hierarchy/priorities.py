@@ -1,4 +1,4 @@
-"""Priorities in force: the matrix, and the mixture of accepted targets that it is made of."""
+"""Current priorities: the matrix, and the mixture of accepted targets that it is made of."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ class Candidate(NamedTuple):
 class Priorities:
     """alpha = sum_c rho_c alpha_c over the targets that were accepted (design, section 3.2).
 
-    A ramp leaves the matrix in force, so this holds exactly at any time. Projector forms read
-    `alpha`; forms that know only orders answer each candidate and blend the answers.
+    A ramp starts from the current matrix, so this holds exactly at any time. Formulations with
+    projectors read `alpha`; formulations for strict orders solve each candidate and blend the
+    solutions.
     """
 
-    alpha: Array  # (k, k), writable and C-contiguous: kernels are compiled for one kind
+    alpha: Array  # (k, k)
     candidates: tuple[Candidate, ...]  # c >= 1
 
     @classmethod
@@ -34,20 +35,15 @@ class Priorities:
 
     @classmethod
     def mixed(cls, candidates: Iterable[Candidate]) -> Priorities:
-        """Priorities of a mixture; read-only matrices are copied."""
-        writable = tuple(
-            candidate
-            if candidate.alpha.flags.writeable
-            else Candidate(candidate.alpha.copy(), candidate.share)
-            for candidate in candidates
-        )
-        if len(writable) == 1:
-            return cls(writable[0].alpha, writable)
-        return cls(sum_of(writable), writable)
+        """Priorities of a mixture."""
+        mixture = tuple(candidates)
+        if len(mixture) == 1:
+            return cls(mixture[0].alpha, mixture)
+        return cls(sum_of(mixture), mixture)
 
 
 def sum_of(candidates: Sequence[Candidate]) -> Array:
-    """(k, k) matrix of a mixture; an entry that all candidates share comes out unchanged."""
+    """(k, k) matrix of a mixture; entries that all candidates share are unchanged."""
     last = candidates[-1].alpha
     alpha: Array = last.copy()
     for candidate in candidates[:-1]:

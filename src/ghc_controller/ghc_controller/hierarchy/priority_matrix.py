@@ -1,4 +1,4 @@
-"""The priority matrix: how far each task is projected out of every other one."""
+"""The priority matrix: how strictly each task has priority over every other one."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ class PriorityMatrix:
 
         Raises:
             UnknownName: a task that does not exist.
-            WrongSize: `alpha` has not len(tasks)**2 entries.
-            InvalidValue: a task named twice, or an entry that is no number in [0, 1].
+            WrongSize: `alpha` does not have len(tasks)**2 entries.
+            InvalidValue: a task named twice, or an entry outside [0, 1].
         """
         for name in tasks:
             if name not in known_tasks:
@@ -66,17 +66,12 @@ class PriorityMatrix:
         full[np.ix_(index, index)] = part.alpha
         return cls(tuple(known_tasks), complete_removals(full))
 
-    def strictly_dominates(self, upper: str, lower: str) -> bool:
-        """True where `upper` has strict priority over `lower`, and not the other way round."""
-        i, j = self.tasks.index(lower), self.tasks.index(upper)
-        return bool(self.alpha[i, j] == 1.0 and self.alpha[j, i] == 0.0)
-
 
 def complete_removals(alpha: Array) -> Array:
-    """Row of a removed task 1, its column 0 in the rows of the others.
+    """Set the row of a removed task to 1 and its column to 0 in the other rows.
 
-    With 0 elsewhere in its row a removed task's variable nu'_i would still absorb constraint
-    forces; with its column kept it would still block the directions of others.
+    With zeros in its row the variable nu'_i of a removed task would still absorb constraint
+    forces; with its column unchanged the task would still block directions of others.
     """
     alpha = alpha.copy()
     removed = np.flatnonzero(np.diag(alpha) >= 1.0)

@@ -1,4 +1,4 @@
-"""A ramp from the mixture in force to a target, with a bounded number of candidates."""
+"""A ramp from the current mixture to a target, with a bounded number of candidates."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ MOST_CANDIDATES = 4  # in force at a time: each costs one solve of a blend per s
 
 
 class Ramp:
-    """Shares that move to `target` as the progress goes from 0 to 1, without a jump.
+    """Shares that move continuously to `target` as the progress goes from 0 to 1.
 
-    Matrices that equal each other share one entry. A ramp that would hold more than
-    MOST_CANDIDATES first hands the smallest share to the others, at the speed of the ramp, and
-    only then lets the target in: shares are continuous, and pre-empting again and again costs no
-    more than MOST_CANDIDATES solves.
+    Equal matrices share one entry. A ramp that would need more than MOST_CANDIDATES first moves
+    the smallest share to the others, at the speed of the ramp, and only then adds the target:
+    shares are continuous, and repeated preemption costs at most MOST_CANDIDATES solves.
     """
 
     def __init__(self, initial: Sequence[Candidate], target: Array) -> None:
@@ -28,39 +27,51 @@ class Ramp:
         same = [c for c in initial if np.array_equal(c.alpha, target)]
         self.matrices = tuple(np.array(alpha) for alpha in (*(c.alpha for c in others), target))
         shares = np.array([c.share for c in others] + [sum(c.share for c in same)])
-        self._shares = shares / shares.sum()
+        self._initial: list[float] = (shares / shares.sum()).tolist()
         crowded = len(self.matrices) > MOST_CANDIDATES
-        self._leaving = int(np.argmin(self._shares[:-1])) if crowded else -1
-        self.first_part = float(self._shares[self._leaving]) if crowded else 0.0
+        self._leaving = int(np.argmin(self._initial[:-1])) if crowded else -1
+        self.first_part = self._initial[self._leaving] if crowded else 0.0
 
     def part_end(self, progress: float) -> float:
-        """Progress up to which the shares are linear from here."""
+        """End of the current segment, in which the shares are linear in the progress."""
         return self.first_part if progress < self.first_part else 1.0
 
     def shares(self, progress: float) -> Array:
         """(c,) shares of `matrices`, at a progress in [0, 1]."""
-        shares = self._shares.copy()
-        if self._leaving >= 0:
-            left = max(self.first_part - progress, 0.0)
-            shares *= (1.0 - left) / (1.0 - self.first_part)
-            shares[self._leaving] = left
-            progress = max(progress - self.first_part, 0.0) / (1.0 - self.first_part)
-        shares *= 1.0 - progress
-        shares[-1] += progress
-        return shares
+        return np.array(self._shares_at(progress))
 
     def at(self, progress: float) -> tuple[Candidate, ...]:
         """Mixture at that progress, without candidates whose share is zero."""
-        pairs = zip(self.matrices, self.shares(progress), strict=True)
-        return tuple(Candidate(alpha, float(share)) for alpha, share in pairs if share > 0.0)
+        return tuple(Candidate(*pair) for pair in zip(*self.mixture(progress), strict=True))
+
+    def mixture(self, progress: float) -> tuple[tuple[Array, ...], tuple[float, ...]]:
+        """The same as matrices and shares; all of them are the same tuple every time."""
+        shares = self._shares_at(progress)
+        if min(shares) > 0.0:
+            return self.matrices, tuple(shares)
+        pairs = [pair for pair in zip(self.matrices, shares, strict=True) if pair[1] > 0.0]
+        return tuple(alpha for alpha, _ in pairs), tuple(share for _, share in pairs)
+
+    def _shares_at(self, progress: float) -> list[float]:
+        """As numbers: arrays of two to five take ten times as long."""
+        shares = list(self._initial)
+        if self._leaving >= 0:
+            left = max(self.first_part - progress, 0.0)
+            scale = (1.0 - left) / (1.0 - self.first_part)
+            shares = [scale * share for share in shares]
+            shares[self._leaving] = left
+            progress = max(progress - self.first_part, 0.0) / (1.0 - self.first_part)
+        shares = [(1.0 - progress) * share for share in shares]
+        shares[-1] += progress
+        return shares
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PacedPriorities(Priorities):
-    """Priorities of a ramp with a torque-rate budget; how far it goes depends on the answers.
+    """Priorities of a ramp with a torque-rate budget; its progress depends on the solutions.
 
-    `candidates` are those of the part of the ramp under way, the target among them even while
-    its share is zero; `alpha` and the shares are those of `before`.
+    `candidates` are those of the current segment, including the target even while its share is
+    zero; `alpha` and the shares are those at progress `before`.
     """
 
     ramp: Ramp
@@ -84,7 +95,7 @@ class PacedPriorities(Priorities):
         by step / max_j |d tau_j / d progress|.
 
         Args:
-            torques: answer (a,) of each of `candidates`, all at the state of this step [Nm].
+            torques: solution (a,) of each candidate, all at the state of this step [Nm].
         """
         end = min(self.ramp.part_end(self.before), self.cap)
         if end <= self.before:
@@ -98,11 +109,11 @@ class PacedPriorities(Priorities):
         return end if way >= 1.0 else self.before + way * (end - self.before)
 
     def shares_at(self, progress: float) -> Array:
-        """(c,) shares of `candidates` at a progress of this part of the ramp."""
+        """(c,) shares of `candidates` at a progress in this segment."""
         return self.ramp.shares(progress)[_matrices_between(self.ramp, self.before)]
 
 
 def _matrices_between(ramp: Ramp, before: float) -> list[int]:
-    """Indices of the matrices that have a share in the part of the ramp after `before`."""
+    """Indices of the matrices with a share in the segment after `before`."""
     begin, end = ramp.shares(before), ramp.shares(ramp.part_end(before))
     return [c for c in range(len(begin)) if begin[c] > 0.0 or end[c] > 0.0]

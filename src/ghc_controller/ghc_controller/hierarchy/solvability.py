@@ -1,4 +1,4 @@
-"""Which priority matrices a schedule accepts: those that leave the formulation one answer."""
+"""Which priority matrices a schedule accepts: those with a unique solution."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 
-_RAMP_SAMPLES = 9  # matrices looked at on a requested ramp, its target among them
+_RAMP_SAMPLES = 9  # matrices checked along a requested ramp, including its target
 
 
 class Solvability(NamedTuple):
-    """A measure of matrices (k, k) at the present configuration, and what it must not fall below.
+    """A measure of matrices (k, k) at the current configuration, and its lower bound.
 
     It is negative beyond a singularity, so that a ramp that crosses one between two samples is
-    seen too.
+    also detected.
     """
 
     measure: Callable[[Array], float]  # [-]
@@ -26,10 +26,10 @@ class Solvability(NamedTuple):
         "the equation of motion (13b) would be unsolvable: smallest singular value of [P_1 .. P_k]"
     )
     advice: str = "leave one task that no other restricts (a row of zeros)"
-    along_ramp: bool = True  # False: matrices between start and target are never answered
+    along_ramp: bool = True  # False: matrices between start and target are never solved
 
     def check(self, start: Array, target: Array, tasks: tuple[str, ...]) -> float:
-        """Least measure from `start` (which is in force anyway) to `target`.
+        """Smallest measure from `start` (already active) to `target`.
 
         Raises:
             InvalidValue: it falls below `least`, or no task is left.

@@ -8,10 +8,11 @@ from enum import Enum
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
+from ghc_controller.numerics.minimum_jerk import minimum_jerk
 
 
 class Profile(Enum):
-    """How alpha moves from start to target over the normalised time s in [0, 1]."""
+    """How alpha moves from start to target over the normalized time s in [0, 1]."""
 
     COSINE = "cosine"  # eq. 15 of the GHC paper
     LINEAR = "linear"
@@ -27,7 +28,7 @@ class Profile(Enum):
             raise InvalidValue(f"unknown profile '{name}'; known: {known}") from None
 
     def progress(self, s: float) -> float:
-        """Share of the way at normalised time s, clipped to [0, 1]."""
+        """Progress at normalized time s, clipped to [0, 1]."""
         if s <= 0.0:
             return 0.0
         if s >= 1.0:
@@ -36,14 +37,14 @@ class Profile(Enum):
             return 0.5 - 0.5 * math.cos(math.pi * s)
         if self is Profile.LINEAR:
             return s
-        return min(s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 1.0)
+        return minimum_jerk(s)[0]
 
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """A requested ramp to `target`; it starts from the mixture in force at `start`.
+    """A requested ramp to `target`; it starts from the current mixture at `start`.
 
-    With a `torque_rate` it takes as long as that budget asks, and at least `duration`.
+    With a `torque_rate` it takes as long as this budget requires, and at least `duration`.
 
     Raises:
         InvalidValue: a duration or torque rate that is negative or not finite.
@@ -75,6 +76,6 @@ class Transition:
         return self.start + self.duration
 
     def progress(self, time: float) -> float:
-        """Share of the way [-] that the duration allows at `time` (eq. 15)."""
+        """Progress [-] that the duration allows at `time` (eq. 15)."""
         span = time - self.start
         return 1.0 if span >= self.duration else self.profile.progress(span / self.duration)

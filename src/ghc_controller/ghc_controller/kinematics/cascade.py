@@ -1,4 +1,4 @@
-"""Solves the levels of one step one after the other."""
+"""Solves the levels of one step in sequence."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ghc_controller.kinematics.settings import SECOND_ORDER, KinematicSettings
 from ghc_controller.kinematics.step_record import StepRecord
 from ghc_controller.types import Array
 
-_TOUCHED = 1e-9  # [m], [rad] a bound nearer than this is active
-_NO_EXCESS = 1e-10  # [m], [rad] an excess below is none
+_TOUCHED = 1e-9  # [m], [rad] bounds closer than this are active
+_NO_EXCESS = 1e-10  # [m], [rad] smaller excess is ignored
 _AT_BOUND = 1e-12  # [rad], [m] of the bounds of the step
 
 
 class Cascade:
-    """The state between two levels: answer so far, null space left, bounds to be kept.
+    """State between two levels: current solution, remaining null space, bounds to be satisfied.
 
-    An augmented level holds R dq besides J dq, so it takes every coordinate of its chain from the
-    levels below, as in the paper (T15, T16).
+    An augmented level fixes R dq in addition to J dq, which leaves no coordinate of its chain to
+    the levels below, as in the paper (T15, T16).
     """
 
     def __init__(self, n: int, settings: KinematicSettings, lower: Array, upper: Array) -> None:
@@ -45,7 +45,7 @@ class Cascade:
             self._add_inequality(index, level, root)
 
     def finish(self, levels: Sequence[LevelRows], last: StepRecord | None) -> StepRecord:
-        """Least |dq| in what is left, and the record of the step."""
+        """Minimize |dq| in the remaining null space; returns the record of the step."""
         n = len(self._x)
         if self._null_space.shape[1]:
             self._minimize(np.eye(n), np.zeros(n))
@@ -65,7 +65,7 @@ class Cascade:
         )
 
     def _minimize(self, rows: Array, right: Array) -> Array:
-        """Bounded least squares in the null space; the null space that the rows leave."""
+        """Bounded least squares in the null space; returns the remaining null space."""
         x, solved, left = bounded_level(
             rows,
             right,
@@ -190,7 +190,7 @@ class Cascade:
 
 
 def _excess(level: LevelRows, x: Array) -> Array:
-    """(m,) how far J x is beyond its bounds."""
+    """(m,) violation of the bounds by J x."""
     value = level.jacobian @ x
     beyond = np.maximum(value - level.upper, 0.0) + np.minimum(value - level.lower, 0.0)
     return np.where(np.abs(beyond) > _AT_BOUND, beyond, 0.0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 
 from ghc_controller.kinematics.level_kernels import null_space_of
 from ghc_controller.kinematics.level_rows import LevelRows
@@ -35,15 +34,13 @@ def adaptive_damping_step(levels: Sequence[LevelRows], settings: KinematicSettin
     return x
 
 
-@njit(cache=True)
 def _damped(
     rows: Array, right: Array, x: Array, null_space: Array, damping: float, small: float
-) -> Array:  # pragma: no cover
-    U, s, Vt = np.linalg.svd(np.ascontiguousarray(rows @ null_space), full_matrices=False)
-    along = U.T @ (right - rows @ x)
+) -> Array:
+    U, s, Vt = np.linalg.svd(rows @ null_space, full_matrices=False)
     least = s[-1]
     weight = damping * (1.0 - (least / small) ** 2) if least < small else 0.0
-    for i in range(s.shape[0]):
-        size = s[i] * s[i] + weight
-        along[i] = along[i] * s[i] / size if size > 1e-20 else 0.0
-    return x + null_space @ (Vt.T @ along)
+    size = s * s + weight
+    seen = size > 1e-20
+    along = np.where(seen, U.T @ (right - rows @ x) * s / np.where(seen, size, 1.0), 0.0)
+    return np.asarray(x + null_space @ (Vt.T @ along))

@@ -55,8 +55,8 @@ class HierarchySolver:
         """Step dq (n,) of these levels, highest first.
 
         Args:
-            lower, upper: (n,) further bounds on the step, such as joint limits; a bound that
-                dq = 0 violates counts as 0.
+            lower, upper: (n,) further bounds on the step, such as joint limits; a bound violated
+                by dq = 0 is replaced by 0.
             own, term: exact second-order terms, for model `newton`: see SecondOrderTerms.roots.
 
         Raises:

@@ -1,4 +1,4 @@
-"""One level of a kinematic hierarchy: tasks of the library and how they are bound."""
+"""One level of a kinematic hierarchy: tasks with references or bounds."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Level:
     """Tasks of equal priority, either all with a reference or all between bounds.
 
     Attributes:
-        tasks: the tasks, whose rows follow each other.
-        bounded: their targets are pairs (lower, upper), (m,) each, instead of references.
+        tasks: the tasks; their rows are stacked.
+        bounded: targets are pairs (lower, upper), (m,) each, instead of references.
     """
 
     def __init__(self, *tasks: Task, bounded: bool = False) -> None:
@@ -38,7 +38,7 @@ class Level:
 
         Raises:
             UnknownName: the target of a task is missing.
-            InvalidValue: bounds where a reference is expected, or the other way round.
+            InvalidValue: bounds where a reference is expected, or vice versa.
         """
         jacobians, lower, upper = [], [], []
         for task in self.tasks:

@@ -1,4 +1,4 @@
-"""Second-order terms of the levels: when they apply, what is remembered, when it is forgotten.
+"""Second-order terms of the levels: when they apply, and when their memory is reset.
 
 Algorithm 1 with the corrections of docs/gn_qn.md: B approximates S alone (structured secant).
 """
@@ -44,7 +44,7 @@ class SecondOrderTerms:
         """R_l (k, n) of every level, None where it is not augmented.
 
         Args:
-            last: what the step before left behind; None in the first step.
+            last: record of the previous step; None in the first step.
             own, term: of model `newton`: S of 1/2 |e|^2 for the error of a level, and
                 sum_r weights_r grad^2 f_r of a level.
         """
@@ -81,7 +81,7 @@ class SecondOrderTerms:
         return bool(0.5 * (w @ w) > self._settings.switch)
 
     def _first_change(self, augmented: tuple[bool, ...], last: StepRecord | None) -> int:
-        """First level whose memory ends, and with it that of all below; their number if none."""
+        """First level whose memory is reset, with all levels below; their number if none."""
         if last is None or len(self.augmented) != len(augmented):
             return 0
         for index, (now, before) in enumerate(zip(augmented, self.augmented, strict=True)):
@@ -102,7 +102,7 @@ class SecondOrderTerms:
             self._B[index] = np.diag(diagonal)
 
     def _gradient_change(self, index: int, levels: Sequence[LevelRows], last: StepRecord) -> Array:
-        """y = sum over levels up to this one of (J_i - J_i before)^T lambda_i, (n,)."""
+        """y = sum over levels up to this one of (J_i - previous J_i)^T lambda_i, (n,)."""
         y = np.zeros(len(last.step))
         for i in range(index + 1):
             weights = last.multipliers.get((i, index))

@@ -16,8 +16,8 @@ from ghc_controller.types import Array
 class TaskSolver:
     """Hierarchical inverse kinematics: `step(q, targets) -> dq`, then q := integrate(q, dq).
 
-    Targets count as constant within a step, there is no feed-forward. The kinematics alone: no
-    dynamics, no torque.
+    Targets are constant within a step; there is no feedforward. Kinematics only: no dynamics, no
+    torques.
 
     Attributes:
         solver: HierarchySolver with the records of the last step.
@@ -31,7 +31,7 @@ class TaskSolver:
         settings: KinematicSettings | None = None,
         joint_limits: bool = True,
     ) -> None:
-        """With `joint_limits`, q + dq of actuated joints stays within the limits of the model."""
+        """With `joint_limits`, q + dq of actuated joints stays within the model's limits."""
         self.model, self.levels = model, tuple(levels)
         self.solver = HierarchySolver(model.nv, settings)
         self._joint_limits = joint_limits

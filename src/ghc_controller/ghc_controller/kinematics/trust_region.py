@@ -13,8 +13,8 @@ _SMALLEST = 1e6  # eta_max
 class TrustRegion:
     """Radii Delta / eta_i of the n coordinates.
 
-    alpha_i is kept at 1 or more: falling without end, as printed, a first change of sign after
-    many calm steps would give 1.2^(-1000), a radius without bound.
+    alpha_i is kept at 1 or more. As printed in the paper it has no lower bound: a first change of
+    sign after 1000 steps without one would give 1.2^(-1000), an unbounded radius.
     """
 
     def __init__(self, n: int, radius: float, adapts: bool) -> None:
@@ -28,7 +28,7 @@ class TrustRegion:
         return self._radius / self._eta
 
     def observe(self, step: Array) -> None:
-        """Adapt to the step (n,) that was taken."""
+        """Adapt to the last step (n,)."""
         sign = np.sign(step)
         if self._adapts and self._sign is not None:
             turned = sign != self._sign

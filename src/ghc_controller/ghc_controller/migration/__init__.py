@@ -1,1 +1,1 @@
-"""Names of earlier versions: each gives an error that says the new one."""
+"""Names of earlier versions; using one raises an error with the new name."""

@@ -30,7 +30,7 @@ class Renamed:
 
     @property
     def hint(self) -> str:
-        """What to say to whoever uses the old one."""
+        """Message for users of the old name."""
         return f"it is '{self.new}' now"
 
 
@@ -42,6 +42,7 @@ RENAMED: tuple[Renamed, ...] = (
     Renamed(Kind.METHOD, "Task.rows", "Task.measured"),
     Renamed(Kind.METHOD, "Task.empty_rows", "TaskRows.zeros"),
     Renamed(Kind.METHOD, "Task.reset", "TaskStack.reset"),
+    Renamed(Kind.METHOD, "Controller.warm_up", "Controller.start"),
     Renamed(Kind.FIELD, "solver", "qp_solver"),
     Renamed(Kind.SCENE, "contacts.frame", "contacts.frame of robot.yaml"),
     Renamed(Kind.SCENE, "contacts.points", "contacts.points of robot.yaml"),

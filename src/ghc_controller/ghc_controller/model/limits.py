@@ -22,6 +22,15 @@ class JointLimits:
     velocity: Array  # (a,) [rad/s] or [m/s]
     torque: Array  # (a,) [Nm] or [N]
 
+    def copy(self) -> JointLimits:
+        """The same limits in arrays of their own."""
+        return JointLimits(
+            self.position_lower.copy(),
+            self.position_upper.copy(),
+            self.velocity.copy(),
+            self.torque.copy(),
+        )
+
 
 def overridden(
     values: Array,

@@ -1,17 +1,17 @@
-"""Kinematics and dynamics of the robot; only this room computes with Pinocchio."""
+"""Kinematics and dynamics of the robot: read by Pinocchio, computed by the compiled core."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
-import numba
 import numpy as np
 import pinocchio as pin
 
 from ghc_controller.errors import ConfigurationError, UnknownName, WrongSize
-from ghc_controller.model.frames import FrameTable, FrameTerms
+from ghc_controller.model.frames import FrameTerms
 from ghc_controller.model.limits import JointLimits
-from ghc_controller.model.mass_center import MassCenter
+from ghc_controller.model.rounded_shape import Shape
 from ghc_controller.model.structure import (
     actuated_joints,
     has_floating_base,
@@ -19,10 +19,16 @@ from ghc_controller.model.structure import (
     model_limits,
     read_urdf,
 )
+from ghc_controller.model.tree import add_frame, make_core
 from ghc_controller.types import Array, Dynamics
 
-_WORLD = pin.Convention.WORLD
+CollisionShapes = Callable[[Collection[str]], Mapping[str, tuple[Shape, ...]]]
+
 _LEAST_INERTIA = 1e-12  # [kg m^2] or [kg] on the diagonal of M
+
+
+def _no_shapes(_names: Collection[str]) -> Mapping[str, tuple[Shape, ...]]:
+    return {}
 
 
 class RobotModel:
@@ -38,6 +44,7 @@ class RobotModel:
         limits: JointLimits; also as position_lower, position_upper, velocity_limit, torque_limit.
         dynamics: Dynamics of the last update; with the contact forces told to `exert` since.
         q, v: state of the last update, (nq,) and (n,).
+        collision_shapes: (names of links) -> their shapes in the URDF; none without a file.
         joint_of: (n,) number of the joint that each velocity coordinate belongs to.
         carries: (n, n), [a, b] is True where the joint of a is the joint of b or carries it.
     """
@@ -50,26 +57,26 @@ class RobotModel:
                 URDF `continuous` joints, whose angle Pinocchio stores as cosine and sine).
         """
         self._model = model
-        self._data = model.createData()
+        self.collision_shapes: CollisionShapes = _no_shapes
         self.floating_base = has_floating_base(model)
         self.joint_names = actuated_joints(model)
         self.nq: int = model.nq
         self.nv: int = model.nv
         self.na: int = len(self.joint_names)
         self.limits = limits or model_limits(model, self.na)
-        self.q = pin.neutral(model)
-        self.v = np.zeros(self.nv)
-        self._center = MassCenter(model, self._data, self.q, self.v)
-        self.mass, self.weight = self._center.mass, self._center.weight  # [kg], [N]
+        self.core = core = make_core(model)
+        self.q, self.v = core.q, core.v
+        self.mass = core.mass  # [kg]
+        self.weight = self.mass * float(np.linalg.norm(model.gravity.linear))  # [N]
+        self._center, self._center_jacobian = core.center, core.center_jacobian
+        self._gravity_torque = core.gravity_torque
         self._frame_names = tuple(f.name for f in model.frames if f.type == pin.FrameType.BODY)
-        self._frames = FrameTable(model, self._data)
+        self._frame_ids: dict[str, int] = {}
+        self._frames: list[FrameTerms] = []
         self.joint_of, self.carries = joint_order(model)
-        # Views taken once: fetching them from pin.Data costs more than the copy below.
-        square = (self.nv, self.nv)  # of one joint it comes as a vector
-        self._mass_matrix_view = self._data.M.reshape(square, order="F")
-        self._bias_view = self._data.nle
         self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
-        self.dynamics = self._free_dynamics = self.update(self.q, self.v)
+        self.dynamics = self._free_dynamics = Dynamics(core.mass_matrix, core.bias)
+        self.update(pin.neutral(model), np.zeros(self.nv))
         moved = np.diag(self.dynamics.mass_matrix)[self.nv - self.na :]
         for name, inertia in zip(self.joint_names, moved, strict=True):
             if not inertia > _LEAST_INERTIA:
@@ -94,11 +101,19 @@ class RobotModel:
         except ConfigurationError as error:
             raise ConfigurationError(f"{path}: {error}") from error
 
+    def copy(self) -> RobotModel:
+        """A model with the same limits and handles of frames, and with a state of its own."""
+        copied = RobotModel(self._model, self.limits.copy())
+        copied.collision_shapes = self.collision_shapes
+        for name in self._frame_ids:  # in the order in which their numbers were given
+            copied.frame_id(name)
+        return copied
+
     def update(self, q: Array, v: Array) -> Dynamics:
         """Compute dynamics and all frames in use at state q (nq,), v (n,).
 
         Returns:
-            Fresh arrays (they survive the next update), also kept as `self.dynamics`.
+            `self.dynamics`, which the next update overwrites.
 
         Raises:
             WrongSize: q or v has another shape.
@@ -107,19 +122,10 @@ class RobotModel:
             raise WrongSize("q", q.shape, (self.nq,))
         if v.shape != (self.nv,):
             raise WrongSize("v", v.shape, (self.nv,))
-        self.q[:] = q
-        self.v[:] = v
-        data = self._data
-        # The WORLD convention leaves joint placements, Jacobian and momentum matrix behind, the
-        # bias leaves velocities and accelerations: nothing else is needed by the frame table.
-        pin.crba(self._model, data, self.q, _WORLD)
-        pin.nonLinearEffects(self._model, data, self.q, self.v)
-        mass_matrix, bias = np.empty((self.nv, self.nv)), np.empty(self.nv)
-        _copy_dynamics(self._mass_matrix_view, self._bias_view, mass_matrix, bias)
-        self._frames.compute()
-        self._center.expire()
-        self._exerted.clear()
-        self._free_dynamics = self.dynamics = Dynamics(mass_matrix, bias)
+        self.core.update(q, v)
+        if self._exerted:
+            self._exerted.clear()
+            self.dynamics = self._free_dynamics
         return self.dynamics
 
     def exert(self, name: str, jacobian: Array, force: Array) -> None:
@@ -140,9 +146,25 @@ class RobotModel:
         self.dynamics = Dynamics(free.mass_matrix, sum(self._exerted.values(), free.bias))
 
     @property
+    def exerts(self) -> bool:
+        """Whether a force was told to `exert` since the last update."""
+        return bool(self._exerted)
+
+    @property
     def frame_names(self) -> tuple[str, ...]:
         """Names of the links, each with a frame."""
         return self._frame_names
+
+    def chain(self, name: str) -> frozenset[int]:
+        """Numbers of the joints that move a link, as in `joint_of`.
+
+        Raises:
+            UnknownName: no link of that name.
+        """
+        if name not in self._frame_names:
+            raise UnknownName("frame", name, self._frame_names)
+        frame = self._model.frames[self._model.getFrameId(name, pin.FrameType.BODY)]
+        return frozenset(int(one) for one in self._model.supports[frame.parentJoint]) - {0}
 
     def frame_id(self, name: str) -> int:
         """Handle for the frame queries; a frame takes part in `update` from its first call on.
@@ -150,41 +172,43 @@ class RobotModel:
         Raises:
             UnknownName: no link of that name; lists those that exist.
         """
-        if name not in self._frame_names:
-            raise UnknownName("frame", name, self._frame_names)
-        count = len(self._frames.terms)
-        frame = self._frames.register(self._model.getFrameId(name, pin.FrameType.BODY))
-        if len(self._frames.terms) != count:
-            self._frames.compute()
-        return frame
+        if name not in self._frame_ids:
+            if name not in self._frame_names:
+                raise UnknownName("frame", name, self._frame_names)
+            pin_frame = self._model.getFrameId(name, pin.FrameType.BODY)
+            number = add_frame(self.core, self._model, pin_frame)
+            self.core.update_frames()
+            self._frames.append(FrameTerms.of(self.core.frame(number)))
+            self._frame_ids[name] = number
+        return self._frame_ids[name]
 
     def frame(self, frame_id: int) -> FrameTerms:
         """All terms of a frame in one call: the cheapest query."""
-        return self._frames.terms[frame_id]
+        return self._frames[frame_id]
 
     def frame_position(self, frame_id: int) -> Array:
         """Origin of the frame in the world, (3,) [m]."""
-        return self._frames.terms[frame_id].position
+        return self._frames[frame_id].position
 
     def frame_rotation(self, frame_id: int) -> Array:
         """Rotation from frame to world, (3, 3)."""
-        return self._frames.terms[frame_id].rotation
+        return self._frames[frame_id].rotation
 
     def frame_jacobian(self, frame_id: int) -> Array:
         """Jacobian of the origin's motion in world axes, linear rows first, (6, n)."""
-        return self._frames.terms[frame_id].jacobian
+        return self._frames[frame_id].jacobian
 
     def frame_velocity(self, frame_id: int) -> Array:
         """J v, (6,) [m/s], [rad/s] in world axes."""
-        return self._frames.terms[frame_id].velocity
+        return self._frames[frame_id].velocity
 
     def frame_drift(self, frame_id: int) -> Array:
         """dJ/dt v, (6,) [m/s^2], [rad/s^2] in world axes (second term of eq. 2)."""
-        return self._frames.terms[frame_id].drift
+        return self._frames[frame_id].drift
 
     def gravity(self) -> Array:
         """Torque that holds the robot still, the bias at v = 0: (n,) [Nm] or [N]."""
-        return self._center.gravity()
+        return self._gravity_torque
 
     def integrate(self, q: Array, step: Array) -> Array:
         """Configuration (nq,) after moving q by a step in velocity coordinates, (n,)."""
@@ -192,23 +216,25 @@ class RobotModel:
 
     def angular_axes(self) -> Array:
         """(3, n) angular velocity in world axes per velocity coordinate; 0 for translations."""
-        return np.ascontiguousarray(self._data.J.reshape((6, self.nv), order="F")[3:])
+        axes = np.empty((3, self.nv))
+        self.core.axes(axes)
+        return axes
 
     def center_of_mass(self) -> Array:
         """Centre of mass in the world, (3,) [m]."""
-        return self._center.position()
+        return self._center[0]
 
     def center_of_mass_velocity(self) -> Array:
         """(3,) [m/s]."""
-        return self._center.velocity()
+        return self._center[1]
 
     def center_of_mass_jacobian(self) -> Array:
-        """(3, n) fresh array: linear rows of the momentum matrix over the mass."""
-        return self._center.jacobian()
+        """(3, n) linear rows of the momentum matrix over the mass."""
+        return self._center_jacobian
 
     def center_of_mass_drift(self) -> Array:
         """dJ/dt v, (3,) [m/s^2]."""
-        return self._center.drift()
+        return self._center[2]
 
     # Shorthands of `limits`, each (na,).
     @property
@@ -240,13 +266,3 @@ class RobotModel:
         if name not in self.joint_names:
             raise UnknownName("joint", name, self.joint_names)
         return self.joint_names.index(name)
-
-
-@numba.njit(cache=True)
-def _copy_dynamics(mass: Array, bias: Array, mass_out: Array, bias_out: Array) -> None:
-    """Copy the upper triangle to both sides, so that the result is symmetric to the bit."""
-    for i in range(bias.shape[0]):
-        bias_out[i] = bias[i]
-        for j in range(i, bias.shape[0]):
-            mass_out[i, j] = mass[i, j]
-            mass_out[j, i] = mass[i, j]

@@ -1,4 +1,4 @@
-"""Rotation vectors and unit quaternions (x, y, z, w), compiled.
+"""Rotation vectors and unit quaternions (x, y, z, w).
 
 [a] is the skew matrix of a; exp and log run between rotation vectors and rotations. The right
 Jacobian J_r maps the rate of a rotation vector p to the angular velocity of exp(p) in its own
@@ -10,19 +10,13 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from ghc_controller.types import Array
 
-# Inlined into the kernels that call them: a cached function that returns an array to Python and is
-# linked into another cached kernel as well loses its environment on loading (numba 0.68).
-_compiled = numba.njit(cache=True, inline="always")
-
 _SMALL = 1e-4  # [rad] below it series replace the quotients (error below 1e-17)
 
 
-@_compiled
 def quaternion_from_matrix(rotation: Array) -> Array:
     """Unit quaternion with w >= 0 of a rotation matrix (3, 3)."""
     q = np.empty(4)
@@ -50,41 +44,37 @@ def quaternion_from_matrix(rotation: Array) -> Array:
     return q
 
 
-@_compiled
 def matrix_from_quaternion(q: Array) -> Array:
     """Rotation matrix (3, 3) of a unit quaternion."""
-    x, y, z, w = q[0], q[1], q[2], q[3]
-    rotation = np.empty((3, 3))
-    rotation[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    rotation[0, 1] = 2.0 * (x * y - z * w)
-    rotation[0, 2] = 2.0 * (x * z + y * w)
-    rotation[1, 0] = 2.0 * (x * y + z * w)
-    rotation[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    rotation[1, 2] = 2.0 * (y * z - x * w)
-    rotation[2, 0] = 2.0 * (x * z - y * w)
-    rotation[2, 1] = 2.0 * (y * z + x * w)
-    rotation[2, 2] = 1.0 - 2.0 * (x * x + y * y)
-    return rotation
+    x, y, z, w = map(float, q)
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
 
 
-@_compiled
 def quaternion_product(a: Array, b: Array) -> Array:
     """Quaternion of the rotation b followed by a: R(result) = R(a) R(b)."""
-    q = np.empty(4)
-    q[0] = a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1]
-    q[1] = a[3] * b[1] + a[1] * b[3] + a[2] * b[0] - a[0] * b[2]
-    q[2] = a[3] * b[2] + a[2] * b[3] + a[0] * b[1] - a[1] * b[0]
-    q[3] = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]
-    return q
+    x, y, z, w = map(float, a)
+    r, s, t, u = map(float, b)
+    return np.array(
+        [
+            w * r + x * u + y * t - z * s,
+            w * s + y * u + z * r - x * t,
+            w * t + z * u + x * s - y * r,
+            w * u - x * r - y * s - z * t,
+        ]
+    )
 
 
-@_compiled
 def quaternion_conjugate(q: Array) -> Array:
     """Inverse rotation of a unit quaternion."""
     return np.array([-q[0], -q[1], -q[2], q[3]])
 
 
-@_compiled
 def rotation_log(q: Array) -> Array:
     """Rotation vector (3,) [rad] of a unit quaternion, of length at most pi."""
     sign = 1.0 if q[3] >= 0.0 else -1.0
@@ -95,7 +85,6 @@ def rotation_log(q: Array) -> Array:
     return sign * scale * q[:3]
 
 
-@_compiled
 def rotation_exp(p: Array) -> Array:
     """Unit quaternion of a rotation vector (3,) [rad]."""
     angle = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
@@ -103,7 +92,6 @@ def rotation_exp(p: Array) -> Array:
     return np.array([scale * p[0], scale * p[1], scale * p[2], math.cos(0.5 * angle)])
 
 
-@_compiled
 def cross(a: Array, b: Array) -> Array:
     """Cross product of two (3,) vectors."""
     return np.array(
@@ -111,7 +99,6 @@ def cross(a: Array, b: Array) -> Array:
     )
 
 
-@_compiled
 def angular_motion(p: Array, rate: Array, rate_change: Array) -> tuple[Array, Array]:
     """Angular velocity and acceleration of exp(p(t)) in its own axes.
 
@@ -128,27 +115,8 @@ def angular_motion(p: Array, rate: Array, rate_change: Array) -> tuple[Array, Ar
     return velocity, acceleration
 
 
-@_compiled
-def turned_motion(
-    start: Array, p: Array, rate: Array, rate_change: Array
-) -> tuple[Array, Array, Array]:
-    """Quaternion, angular velocity and acceleration in world axes of start exp(p(t))."""
-    quaternion = quaternion_product(start, rotation_exp(p))
-    omega, alpha = angular_motion(p, rate, rate_change)
-    rotation = matrix_from_quaternion(quaternion)
-    world_omega, world_alpha = np.zeros(3), np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            world_omega[i] += rotation[i, j] * omega[j]
-            world_alpha[i] += rotation[i, j] * alpha[j]
-    return quaternion, world_omega, world_alpha
-
-
 def vector_motion(p: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
-    """Inverse of angular_motion: p', p'' from angular velocity and acceleration, |p| < 2 pi.
-
-    Not compiled: it is used when a trajectory is made, and a compiled solve takes long to compile.
-    """
+    """Inverse of angular_motion: p', p'' from angular velocity and acceleration, |p| < 2 pi."""
     a, b, _, _ = _coefficients(p)
     skew = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
     jacobian = np.eye(3) - a * skew + b * (skew @ skew)
@@ -157,7 +125,6 @@ def vector_motion(p: Array, velocity: Array, acceleration: Array) -> tuple[Array
     return rate, np.linalg.solve(jacobian, acceleration - change)
 
 
-@_compiled
 def _coefficients(p: Array) -> tuple[float, float, float, float]:
     """a, b and their derivatives by t divided by t."""
     t = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])

@@ -1,1 +1,1 @@
-"""What a generator plans for one constraint over a horizon."""
+"""Planned bounds of one constraint over a horizon."""

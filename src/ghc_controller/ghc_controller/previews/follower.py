@@ -1,4 +1,4 @@
-"""What follows previews: a constraint of one kind."""
+"""Interface of constraints that follow previews of one kind."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ghc_controller.previews.preview import Preview
 
 
 class Follower(Protocol):
-    """A constraint whose bounds a generator may plan."""
+    """A constraint with bounds that a generator may plan."""
 
     kind: str  # of the previews
 
     def follow(self, preview: Preview, now: float | None = None, /) -> tuple[UnknownName, ...]:
-        """Take a preview over; see `Controller.follow`."""
+        """Use a preview from now on; see `Controller.follow`."""

@@ -1,4 +1,4 @@
-"""What a generator plans for the rows of one constraint over a horizon."""
+"""Planned bounds for the rows of one constraint over a horizon."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from enum import Enum
 from itertools import compress
 
 import numpy as np
-from numba import njit
 
+from ghc_controller.core import native
 from ghc_controller.previews.motion import PlannedMotion
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array
@@ -18,13 +18,14 @@ CONTACT_FORCES = "contact_forces"
 OBSTACLE_MOTION = "obstacle_motion"
 JOINT_LIMITS = "joint_limits"
 TORQUE_LIMITS = "torque_limits"
-KINDS = (CONTACT_FORCES, OBSTACLE_MOTION, JOINT_LIMITS, TORQUE_LIMITS)
+BODY_MARGINS = "body_margins"
+KINDS = (CONTACT_FORCES, OBSTACLE_MOTION, JOINT_LIMITS, TORQUE_LIMITS, BODY_MARGINS)
 
 AGE_TOLERANCE = 1e-9  # [s]
 
 
 class StaleRule(Enum):
-    """What holds after the last point of a preview; the value travels in messages."""
+    """Rule after the last point of a preview; the value is used in messages."""
 
     OF_ROBOT = 0  # as robot.yaml says, otherwise HOLD
     HOLD = 1  # the last point
@@ -36,7 +37,7 @@ class StaleRule(Enum):
 class Preview:
     """Bounds of r rows at the points start + j step, j = 0 .. N; or motions of r obstacles."""
 
-    kind: str  # which constraint follows it
+    kind: str  # constraint that follows it
     start: float  # [s] time of the tick
     step: float  # [s] between points
     rows: tuple[str, ...]  # names of contacts, joints or obstacles
@@ -44,7 +45,7 @@ class Preview:
     upper: Array  # (r, N + 1)
     active: tuple[bool, ...]  # whether a row is on now
     status: tuple[PreviewStatus, ...]
-    conflict: tuple[bool, ...]  # what was given contradicts itself within the horizon
+    conflict: tuple[bool, ...]  # the input is contradictory within the horizon
     interpolate: bool  # false: each point holds until the next one; true: straight lines between
     motions: tuple[PlannedMotion, ...] = ()  # r of them, or none
     stale: StaleRule = StaleRule.OF_ROBOT
@@ -81,7 +82,7 @@ class Preview:
         return self.start + self.step * (self.lower.shape[1] - 1)
 
     def has_ended(self, time: float) -> bool:
-        """Whether the stale rule holds at a time [s]."""
+        """Whether the stale rule applies at a time [s]."""
         return time > self.valid_until + AGE_TOLERANCE
 
     def at(self, time: float) -> tuple[Array, Array]:
@@ -94,7 +95,7 @@ class Preview:
             upper = self.upper.min(axis=1)
             return np.minimum(self.lower.max(axis=1), upper), upper
         place = (time - self.start) / self.step
-        return bounds_at(self.lower, self.upper, place, self.interpolate)
+        return native.bounds_at(self.lower, self.upper, place, self.interpolate)
 
     def motion_at(self, row: int, time: float) -> Array:
         """State (3, 3) of an obstacle at a time [s]; after its last jerk it rests."""
@@ -117,31 +118,3 @@ class Preview:
             conflict=tuple(compress(self.conflict, kept)),
             motions=tuple(compress(self.motions, kept)),
         )
-
-    @property
-    def first_rates(self) -> tuple[Array, Array]:
-        """The inputs that are applied: rates (r,) of lower and upper over the first step."""
-        lower, upper = (
-            (values[:, 1] - values[:, 0]) / self.step for values in (self.lower, self.upper)
-        )
-        return lower, upper
-
-
-@njit(cache=True)
-def bounds_at(
-    lower: Array, upper: Array, place: float, interpolate: bool
-) -> tuple[Array, Array]:  # pragma: no cover
-    """Bounds (r,) at a place [points from the first] of points lower, upper (r, N + 1).
-
-    Straight lines between points, or each point until the next one.
-    """
-    if not interpolate:
-        place = np.floor(place + 1e-6)
-    place = min(max(place, 0.0), lower.shape[1] - 1.0)
-    left = min(int(place), lower.shape[1] - 2)
-    share = place - left
-    low, high = np.empty(lower.shape[0]), np.empty(lower.shape[0])
-    for k in range(lower.shape[0]):
-        low[k] = (1.0 - share) * lower[k, left] + share * lower[k, left + 1]
-        high[k] = (1.0 - share) * upper[k, left] + share * upper[k, left + 1]
-    return low, high

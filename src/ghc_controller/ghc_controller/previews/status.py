@@ -1,4 +1,4 @@
-"""How a row of a preview came about."""
+"""Status of a row of a preview."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from enum import Enum
 
 
 class PreviewStatus(Enum):
-    """How a row of a preview came about; the value travels in messages."""
+    """Status of a row of a preview; the value is used in messages."""
 
     SMOOTHED = 0  # the optimum of the preview
     RAW = 1  # as given: smoothing off, or an obstacle outside its safe distance
-    HELD = 2  # no solution: the preview before, as far as it goes, inside the raw bounds
+    HELD = 2  # no solution: the previous preview, as far as it reaches, inside the raw bounds
     TIGHTENED = 3  # no solution and no preview left: towards the tightest raw bound ahead
-    STALE = 4  # no measurement for too long: taken to be closer than last seen
+    STALE = 4  # measurement timed out: assumed to be closer than last measured

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ghc_controller.problem.box_kernels import affine, is_outside
+from ghc_controller.core import native
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization
 from ghc_controller.problem.reduction import ReducedProblem
@@ -62,7 +62,7 @@ def _with_slacks(source: ControlProblem, answer: Solution) -> Solution:
         push = contacts.force_matrix @ answer.force
         force_slack = _excess(push, contacts.force_lower, contacts.force_upper)
     if rows is not None:
-        rows_slack = _excess(rows.matrix @ x, rows.lower, rows.upper)
+        rows_slack = _excess(rows.values(x, answer.force), rows.lower, rows.upper)
     return answer._replace(
         acceleration_slack=_excess(x, box.lower, box.upper),
         rows_slack=rows_slack,
@@ -71,12 +71,12 @@ def _with_slacks(source: ControlProblem, answer: Solution) -> Solution:
 
 
 def _box(reduced: ReducedProblem, y: Array) -> tuple[Array, Array]:
-    return y, affine(reduced.torque_matrix, y, reduced.torque_offset)
+    return y, reduced.torque_matrix @ y + reduced.torque_offset
 
 
 def _excess(value: Array, lower: Array, upper: Array) -> Array | None:
     """How far `value` lies outside its bounds, (r,); None where it lies inside."""
-    if not is_outside(value, lower, upper, VIOLATION_TOLERANCE):
+    if native.largest_excess(value, lower, upper) <= VIOLATION_TOLERANCE:
         return None
     return np.maximum(np.maximum(lower - value, value - upper), 0.0)
 

@@ -1,8 +1,9 @@
-"""From an affine parametrization of (x, f) and a cost to a bounded answer.
+"""From an affine parametrization of (x, f) and a cost to a bounded solution.
 
-Every formulation ends here: rows are built from the same parametrization, solved, and when they
-conflict relaxed in the order of the design: soft acceleration rows, torque rate, normal force
-bounds, then no answer. A soft row gives way by the least that is needed, before tasks are weighed.
+Every formulation ends here: rows are built from the same parametrization, solved, and relaxed in a
+fixed order if they conflict: soft acceleration rows, torque rate, normal force bounds; beyond that
+there is no solution. A soft row is relaxed by the least amount that is needed, before tasks are
+weighed.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from ghc_controller.core import native
 from ghc_controller.problem.acceptance import accept, in_words, judged
-from ghc_controller.problem.box_kernels import is_inside, rows_inside, torques_inside
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization, build_qp
 from ghc_controller.problem.reduction import ReducedProblem
@@ -39,25 +40,27 @@ def unbounded_answer(reduced: ReducedProblem, y: Array) -> Solution | None:
 def bounded_answer(reduced: ReducedProblem, y: Array, force: Array) -> Solution | None:
     """Solution of accelerations y (d,) and forces (c,) if they meet every bound; else None.
 
-    The balance of an unactuated base is not looked at.
+    The balance of an unactuated base is not checked.
     """
     source, rows, contacts = reduced.source, reduced.source.rows, reduced.source.contacts
     box, torque = source.acceleration, source.torque
     if reduced.basis is None:
-        if rows is not None and not rows_inside(rows.matrix, y, rows.lower, rows.upper):
+        if rows is not None and not native.rows_inside(rows.matrix, y, rows.lower, rows.upper):
             return None
-        inside, tau = torques_inside(
+        inside, tau = native.torques_inside(
             y, source.mass_matrix, source.bias, box.lower, box.upper, torque.lower, torque.upper
         )
         return Solution.unbounded(y, tau) if inside else None
-    if contacts is not None and not rows_inside(
+    if contacts is not None and not native.rows_inside(
         contacts.force_matrix, force, contacts.force_lower, contacts.force_upper
     ):
         return None
     x, tau = reduced.answer(y, force)
-    inside = is_inside(x, box.lower, box.upper) and is_inside(tau, torque.lower, torque.upper)
+    inside = native.is_inside(x, box.lower, box.upper) and native.is_inside(
+        tau, torque.lower, torque.upper
+    )
     if rows is not None:
-        inside = inside and rows_inside(rows.matrix, x, rows.lower, rows.upper)
+        inside = inside and native.is_inside(rows.values(x, force), rows.lower, rows.upper)
     return Solution.unbounded(x, tau, force) if inside else None
 
 
@@ -83,7 +86,7 @@ def solve_qp(
     """Bounded answer by a QP in any case; with no `hessian`, cost 1/2 |s|^2.
 
     SOLVED says that no row is violated by more than VIOLATION_TOLERANCE, recomputed from the
-    answer, and that it is optimal. A row gives way only where no answer was found without.
+    answer, and that it is optimal. Rows are relaxed only if no solution was found otherwise.
     """
     source = reduced.source
     cost = _cost(parametrization, hessian, gradient)
@@ -106,7 +109,7 @@ def solve_qp(
 
 
 def _stages(source: ControlProblem) -> list[tuple[Bounds, bool]]:
-    """Torque box, and whether normal force bounds give way too, in the order of giving way."""
+    """Torque box, and whether normal force bounds are relaxed too, in the order of relaxation."""
     stages = [(source.torque, False)]
     if source.limits_rate:
         stages.append((source.torque_limit, False))
@@ -138,7 +141,7 @@ def _within(
     whole = largest_violation(
         reduced.source, answer.acceleration, answer.force, answer.torque, reduced.source.torque
     )
-    if whole <= VIOLATION_TOLERANCE and not reason:  # nothing gave way that counts
+    if whole <= VIOLATION_TOLERANCE and not reason:  # nothing was relaxed noticeably
         return answer._replace(violation=whole)
     gave_way = torque is not reduced.source.torque and reduced.source.limits_rate
     return answer._replace(status=SolutionStatus.RELAXED, rate_gave_way=gave_way, reason=reason)

@@ -9,18 +9,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ghc_controller.errors import InvalidValue, WrongSize
-from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.problem.second_order_terms import SecondOrder
-from ghc_controller.types import Array, Bounds
+from ghc_controller.types import Array, Bounds, Starts
 
 
 class ContactRows(NamedTuple):
     """Rigid contacts: J x = drift_target (thesis, eq. 5.1), with forces f acting through J_f^T.
 
     q = motion rows, c = force coordinates, r = rows on the forces: the first `bounds` of them are
-    normal force bounds (eq. 5.5), which give way before anything else of a contact, then friction
-    cones (eq. 5.3). Cost on the forces: 1/2 (f - f_0)^T H_f (f - f_0), beside the tasks.
+    normal force bounds (eq. 5.5), which are relaxed before any other row of a contact, then
+    friction cones (eq. 5.3). Cost on the forces: 1/2 (f - f_0)^T H_f (f - f_0), beside the tasks.
     """
 
     jacobian: Array  # (q, n) J
@@ -37,12 +36,27 @@ class ContactRows(NamedTuple):
 
 
 class AccelerationRows(NamedTuple):
-    """General rows lower <= matrix x <= upper on the joint accelerations, such as obstacles."""
+    """General rows lower <= matrix x + force_matrix f <= upper, such as obstacles.
+
+    Rows A tau of a robot in contact are rows on x and f: A (M_a x + h_a - J_fa^T f).
+    """
 
     matrix: Array  # (r, n)
     lower: Array  # (r,)
     upper: Array  # (r,)
     names: tuple[str, ...]  # (r,)
+    force_matrix: Array | None = None  # (r, c); None: no row depends on contact forces
+    hard: int = 0  # the last so many are never relaxed
+
+    @property
+    def soft(self) -> int:
+        """How many are relaxed with the box on accelerations; they come first."""
+        return self.lower.shape[0] - self.hard
+
+    def values(self, x: Array, force: Array) -> Array:
+        """(r,) at accelerations x (n,) and contact forces (c,)."""
+        reached: Array = self.matrix @ x
+        return reached if self.force_matrix is None else reached + self.force_matrix @ force
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +76,8 @@ class ControlProblem:
     velocity: Array  # (n,) v: damping pulls accelerations to -kd v
     acceleration: Bounds  # (n,) soft box on x: position and velocity limits
     torque: Bounds  # (a,) hard box on tau: torque limits and torque rate
-    torque_limit: Bounds  # (a,) the torque limits alone, kept when the rate rows give way too
-    rows: AccelerationRows | None = None  # soft rows
+    torque_limit: Bounds  # (a,) the torque limits alone, kept when the rate limit is relaxed too
+    rows: AccelerationRows | None = None
     contacts: ContactRows | None = None
     unactuated: int = 0
     second_order: SecondOrder | None = None  # None: the tasks are linearized
@@ -102,6 +116,8 @@ class ControlProblem:
             }
         if self.rows is not None:
             parts |= {"matrix of rows": self.rows.matrix}
+            if self.rows.force_matrix is not None:
+                parts |= {"force matrix of rows": self.rows.force_matrix}
             if np.isnan(self.rows.lower).any() or np.isnan(self.rows.upper).any():
                 return "bound of a row"
         for name, values in parts.items():

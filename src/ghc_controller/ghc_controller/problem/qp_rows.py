@@ -1,4 +1,4 @@
-"""Rows of the bounded QP on the variables s of an affine parametrisation of (x, f)."""
+"""Rows of the bounded QP on the variables s of an affine parametrization of (x, f)."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ghc_controller.problem.box_kernels import box_rows
-from ghc_controller.problem.control_problem import AccelerationRows, ContactRows
+from ghc_controller.core import native
+from ghc_controller.problem.control_problem import ContactRows
 from ghc_controller.problem.reduction import ReducedProblem
-from ghc_controller.problem.row_kernels import stacked_rows
 from ghc_controller.qp import QpProblem
 from ghc_controller.types import Array, Bounds
-
-_NONE = np.zeros(0)
 
 
 class Parametrization(NamedTuple):
@@ -45,7 +42,7 @@ class Parametrization(NamedTuple):
 
 
 class SoftQp(NamedTuple):
-    """A QP with normalised rows; those before `hard_start` may give way, then the force bounds."""
+    """A QP with normalized rows; rows before `hard_start` are relaxed first, then force bounds."""
 
     problem: QpProblem
     hard_start: int
@@ -60,62 +57,34 @@ def build_qp(
     gradient: Array,
     torque: Bounds,
 ) -> SoftQp:
-    """Rows on s: acceleration box, general rows (both soft), force bounds, cones, torque box.
+    """Rows on s: acceleration box, soft rows, force bounds, cones, torque box, hard rows.
 
     Args:
         hessian: (p, p). gradient: (p,).
         torque: (a,) the torque box in force at this stage.
     """
-    source, factor = reduced.source, parametrization.acceleration_factor
-    if reduced.basis is None and source.rows is None:
-        hard_start = bounds_end = factor.shape[0]
-        rows, lower, upper, norm = box_rows(
-            parametrization.acceleration,
-            factor,
-            reduced.torque_matrix,
-            reduced.torque_offset,
-            source.acceleration.lower,
-            source.acceleration.upper,
-            torque.lower,
-            torque.upper,
-        )
-    else:
-        rows, lower, upper, norm = _all_rows(reduced, parametrization, torque)
-        general, contacts = source.rows, source.contacts
-        hard_start = source.bias.shape[0] + (0 if general is None else general.lower.shape[0])
-        bounds_end = hard_start + (0 if contacts is None else contacts.bounds)
-    problem = QpProblem(hessian, gradient, *_balance(reduced, parametrization), rows, lower, upper)
-    return SoftQp(problem, hard_start, bounds_end, norm)
-
-
-def _all_rows(
-    reduced: ReducedProblem, parametrization: Parametrization, torque: Bounds
-) -> tuple[Array, Array, Array, Array]:
-    """Normalised rows (r, p), their bounds and their norms (r,)."""
     source = reduced.source
-    n, c = source.bias.shape[0], parametrization.force.shape[0]
-    general = source.rows or AccelerationRows(np.zeros((0, n)), _NONE, _NONE, ())
-    contacts = source.contacts
-    forces = (
-        (np.zeros((0, c)), _NONE, _NONE)
-        if contacts is None
-        else (contacts.force_matrix, contacts.force_lower, contacts.force_upper)
-    )
-    identity = reduced.basis is None or reduced.offset is None
-    return stacked_rows(
-        np.zeros((0, n)) if identity else reduced.basis,
-        _NONE if identity else reduced.offset,
-        *parametrization[:4],
+    general, contacts = source.rows, source.contacts
+    soft = 0 if general is None else general.soft
+    rows, lower, upper, norm = native.qp_rows(
+        reduced.basis,
+        reduced.offset,
+        parametrization,
         source.acceleration.lower,
         source.acceleration.upper,
-        *general[:3],
-        *forces,
+        general,
+        soft,
+        contacts,
         reduced.torque_matrix,
         reduced.torque_offset,
         reduced.torque_force,
         torque.lower,
         torque.upper,
     )
+    hard_start = source.bias.shape[0] + soft
+    bounds_end = hard_start + (0 if contacts is None else contacts.bounds)
+    problem = QpProblem(hessian, gradient, *_balance(reduced, parametrization), rows, lower, upper)
+    return SoftQp(problem, hard_start, bounds_end, norm)
 
 
 def _balance(reduced: ReducedProblem, parametrization: Parametrization) -> tuple[Array, Array]:

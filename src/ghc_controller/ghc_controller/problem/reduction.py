@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ghc_controller.problem.box_kernels import contact_answer
-from ghc_controller.problem.control_problem import ControlProblem
-from ghc_controller.problem.reduction_kernels import null_motion_qr, reduced_terms
+from ghc_controller.core import native
+from ghc_controller.problem.control_problem import ContactRows, ControlProblem
 from ghc_controller.types import Array
 
-_RANK_TOLERANCE = 1e-9  # [-] of the largest singular value of the contacts' motion rows
+_NONE, _NO_ROWS = np.zeros(0), np.zeros((0, 0))
 
 
 class ReducedProblem(NamedTuple):
@@ -49,7 +48,9 @@ class ReducedProblem(NamedTuple):
 
     def answer(self, y: Array, force: Array) -> tuple[Array, Array]:
         """Accelerations (n,) and torques (a,) of y (d,) and contact forces (c,) in contact."""
-        return contact_answer(
+        assert self.offset is not None
+        assert self.basis is not None
+        return native.contact_answer(
             y,
             force,
             self.offset,
@@ -63,56 +64,61 @@ class ReducedProblem(NamedTuple):
 def reduce_contacts(problem: ControlProblem) -> ReducedProblem:
     """Remove the accelerations that would break a contact (thesis, eq. 5.1).
 
-    Projectors and task variables then live in the null space of J_c, so that a task of high
-    priority is never asked to move a contact.
+    Projectors and task variables then live in the null space of J_c, so that no task can demand a
+    motion of a contact.
     """
-    u, contacts = problem.unactuated, problem.contacts
-    if contacts is None:
-        n = problem.bias.shape[0]
-        return ReducedProblem(
-            problem.jacobian,
-            problem.target,
-            None,
-            None,
-            problem.mass_matrix[u:],
-            problem.bias[u:],
-            np.zeros((n - u, 0)),
-            problem.mass_matrix[:u],
-            np.zeros((u, 0)),
-            -problem.bias[:u],
-            problem,
-        )
-    offset, basis = null_motion(contacts.jacobian, contacts.drift_target)
-    jacobian, target, torque_matrix, torque_offset, force = reduced_terms(
+    if problem.contacts is not None:
+        return ReducedProblem._make((*reduced_arrays(problem, balance=False)[:10], problem))
+    u, n = problem.unactuated, problem.bias.shape[0]
+    return ReducedProblem(
+        problem.jacobian,
+        problem.target,
+        None,
+        None,
+        problem.mass_matrix[u:],
+        problem.bias[u:],
+        np.zeros((n - u, 0)),
+        problem.mass_matrix[:u],
+        np.zeros((u, 0)),
+        -problem.bias[:u],
+        problem,
+    )
+
+
+def reduced_arrays(problem: ControlProblem, balance: bool) -> tuple[Any, ...]:
+    """Fields of ReducedProblem up to `source`, then of ForceCenter, by the core.
+
+    Args:
+        balance: whether to remove what forces cannot balance too (`balanced_contacts`).
+    """
+    return native.reduced(
         problem.jacobian,
         problem.target,
         problem.mass_matrix,
         problem.bias,
-        contacts.force_jacobian,
-        offset,
-        basis,
-    )
-    return ReducedProblem(
-        jacobian,
-        target,
-        basis,
-        offset,
-        torque_matrix[u:],
-        torque_offset[u:],
-        force[u:],
-        torque_matrix[:u],
-        force[:u],
-        -torque_offset[:u],
-        problem,
+        problem.contacts,
+        problem.unactuated,
+        balance,
     )
 
 
 def kept_by_contacts(jacobian: Array, contact_jacobian: Array) -> Array:
     """(m, d) task rows (m, n) in the accelerations that contact rows (q, n) leave."""
-    m, n = jacobian.shape
-    offset, basis = null_motion(contact_jacobian, np.zeros(contact_jacobian.shape[0]))
-    nothing = np.zeros((0, n))
-    return reduced_terms(jacobian, np.zeros(m), nothing, np.zeros(0), nothing, offset, basis)[0]
+    (m, n), q = jacobian.shape, contact_jacobian.shape[0]
+    nothing = ContactRows(
+        contact_jacobian,
+        np.zeros(q),
+        np.zeros((0, n)),
+        _NO_ROWS,
+        _NONE,
+        _NONE,
+        _NONE,
+        _NO_ROWS,
+        (),
+    )
+    at_rest = np.zeros((n, n)), np.zeros(n)
+    kept: Array = native.reduced(jacobian, np.zeros(m), *at_rest, nothing, 0, False)[0]
+    return kept
 
 
 def null_motion(rows: Array, target: Array) -> tuple[Array, Array]:
@@ -120,12 +126,5 @@ def null_motion(rows: Array, target: Array) -> tuple[Array, Array]:
 
     Rows (q, n) that depend on others are met in the least-squares sense.
     """
-    q, n = rows.shape
-    if q <= n:
-        independent, least, basis = null_motion_qr(rows, target)
-        if independent:
-            return least, basis
-    left, sigma, right = np.linalg.svd(rows, full_matrices=True)
-    rank = int(np.sum(sigma > _RANK_TOLERANCE * max(float(sigma[0]), 1e-300)))
-    least = right[:rank].T @ ((left[:, :rank].T @ target) / sigma[:rank])
-    return least, np.ascontiguousarray(right[rank:].T)
+    _, least, basis = native.null_motion(rows, target)
+    return least, basis

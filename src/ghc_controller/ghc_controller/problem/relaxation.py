@@ -1,4 +1,4 @@
-"""The least by which soft rows have to give way, in physical units, before any task is weighed.
+"""Least relaxation of the soft rows, in physical units, found before any task is weighed.
 
 First of a lexicographic pair: the slack is found here and the bounds are widened by just that
 much; the tasks then compete within them (`bounded_qp`).
@@ -46,11 +46,11 @@ def relax(
     Args:
         parametrization: spans the accelerations and forces that may be used.
         torque: (a,) the torque box, which is kept.
-        with_forces: let normal force bounds give way first, by the least that allows any answer
-            at all; else they are kept.
+        with_forces: relax normal force bounds first, by the least that allows a solution; else
+        they are kept.
 
     Returns:
-        None where rows that are kept exclude each other, or no answer was found.
+        None where rows that are kept exclude each other, or no solution was found.
     """
     start = _spanned(parametrization)
     if start.acceleration_factor.shape[1] == 0:
@@ -68,7 +68,7 @@ def relax(
     if found is None:
         return None
     y, force = found
-    source, soft_slack = _wider_rows(reduced.source, reduced.accelerations(y))
+    source, soft_slack = _wider_rows(reduced.source, reduced.accelerations(y), force)
     return Relaxation(reduced._replace(source=source), y, force, max(slack, soft_slack))
 
 
@@ -119,13 +119,17 @@ def _least_slack(
     return point
 
 
-def _wider_rows(source: ControlProblem, x: Array) -> tuple[ControlProblem, float]:
-    """Acceleration box and general rows that contain x (n,), and the largest slack."""
+def _wider_rows(source: ControlProblem, x: Array, force: Array) -> tuple[ControlProblem, float]:
+    """Acceleration box and soft rows that contain x (n,) and f (c,), and the largest slack."""
     acceleration, slack = _containing(source.acceleration, x)
     rows = source.rows
     if rows is not None:
-        bounds, more = _containing(Bounds(rows.lower, rows.upper), rows.matrix @ x)
-        rows, slack = rows._replace(lower=bounds.lower, upper=bounds.upper), max(slack, more)
+        count = rows.soft
+        given = Bounds(rows.lower[:count], rows.upper[:count])
+        bounds, more = _containing(given, rows.values(x, force)[:count])
+        lower = np.concatenate([bounds.lower, rows.lower[count:]])
+        upper = np.concatenate([bounds.upper, rows.upper[count:]])
+        rows, slack = rows._replace(lower=lower, upper=upper), max(slack, more)
     return replace(source, acceleration=acceleration, rows=rows), slack
 
 

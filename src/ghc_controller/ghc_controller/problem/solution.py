@@ -1,4 +1,4 @@
-"""The answer to a control problem."""
+"""Solution of a control problem."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class Solution(NamedTuple):
     primal_residual: float = 0.0  # largest violation of a row of the QP, as `violation`
     dual_residual: float = 0.0
     iterations: int = 0
-    acceleration_slack: Array | None = None  # (n,) by how far the soft box gave way
-    rows_slack: Array | None = None  # (r,) by how far the general rows gave way
-    force_slack: Array | None = None  # (r,) by how far the rows on contact forces gave way [N]
+    acceleration_slack: Array | None = None  # (n,) relaxation of the soft box
+    rows_slack: Array | None = None  # (r,) relaxation of the general rows
+    force_slack: Array | None = None  # (r,) relaxation of the rows on contact forces [N]
     rate_gave_way: bool = False
     progress: float = 0.0  # [-] of a ramp with a torque-rate budget
     levels_dropped: int = 0  # last levels that have no part in it: no pivot was left for them
-    violation: float = 0.0  # [rad/s^2], [Nm] or [N] largest one of a row, what gave way aside
-    reason: str = ""  # in words, where the status is FAILED or the answer is feasible and no more
+    violation: float = 0.0  # [rad/s^2], [Nm] or [N] largest one of a row, relaxation aside
+    reason: str = ""  # in words, if the status is FAILED or the solution is only feasible
 
     @classmethod
     def without_answer(cls, problem: ControlProblem, reason: str) -> Solution:

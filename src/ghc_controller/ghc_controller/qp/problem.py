@@ -10,8 +10,8 @@ from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ghc_controller.core import native
 from ghc_controller.errors import WrongSize
 from ghc_controller.types import Array
 
@@ -48,7 +48,7 @@ class QpProblem(NamedTuple):
 
         A bound may be infinite on its own side.
         """
-        found = _first_not_finite(self.H, self.g, self.A, self.b, self.C, self.l, self.u)
+        found = native.qp_not_finite(*self)
         return "" if found < 0 else _NAMES[found]
 
 
@@ -73,7 +73,7 @@ class QpResult(NamedTuple):
 
     @property
     def found(self) -> bool:
-        """True when the solver reports an optimum; `residuals` says whether it is one."""
+        """True if the solver reports an optimum; check it with `residuals`."""
         return self.status is QpStatus.SOLVED
 
     @classmethod
@@ -81,34 +81,3 @@ class QpResult(NamedTuple):
         """Result of a solve that did not begin: NaN, and the reason."""
         x, y, z = (np.full_like(part, math.nan) for part in (problem.g, problem.b, problem.l))
         return cls(x, y, z, status, 0, reason)
-
-
-@njit(cache=True)
-def _first_not_finite(
-    hessian: Array,
-    linear: Array,
-    equalities: Array,
-    right: Array,
-    rows: Array,
-    low: Array,
-    up: Array,
-) -> int:  # pragma: no cover
-    """Index into _NAMES, -1 where everything can be used."""
-    for r in range(linear.shape[0]):
-        if not math.isfinite(np.sum(hessian[r])):
-            return 0
-    if not math.isfinite(np.sum(linear)):
-        return 1
-    for r in range(right.shape[0]):
-        if not math.isfinite(np.sum(equalities[r])):
-            return 2
-        if not math.isfinite(right[r]):
-            return 3
-    for r in range(low.shape[0]):
-        if not math.isfinite(np.sum(rows[r])):
-            return 4
-        if not low[r] < math.inf:
-            return 5
-        if not up[r] > -math.inf:
-            return 6
-    return -1

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from ghc_controller.numerics.minimum_jerk import minimum_jerk
 from ghc_controller.reachable.settings import ReachableSettings
 from ghc_controller.reachable.tangent import difference, moved
 from ghc_controller.types import Array
@@ -76,12 +77,10 @@ class MotionEstimator:
         position, velocity, acceleration = self._propagated(min(dt, silence))
         if dt <= silence:
             return position, velocity, acceleration
-        share = min((dt - silence) / _RETURN, 1.0)
+        way, rate, change = minimum_jerk((dt - silence) / _RETURN)
         away = difference(position, self.sample, self._rotation)
-        kept = 1.0 - share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-        rate = -30.0 * share**2 * (1.0 - share) ** 2 / _RETURN
-        change = -60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / _RETURN**2
-        return moved(self.sample, kept * away, self._rotation), rate * away, change * away
+        back = moved(self.sample, (1.0 - way) * away, self._rotation)
+        return back, -rate / _RETURN * away, -change / _RETURN**2 * away
 
     def _propagated(self, dt: float) -> tuple[Array, Array, Array]:
         F, _ = _model(dt)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ghc_controller.kinematics import HierarchySolver, KinematicSettings, Level
-from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.reachable.held_base import HeldBase
 from ghc_controller.reachable.settings import ReachableSettings
 from ghc_controller.types import Array
 
@@ -29,7 +30,8 @@ class PostureGoal:
     which near a target that is followed happens at every rounding, and other joints would move.
 
     The solver finds a local optimum. Where targets stand still and are not met, it also starts
-    from other postures, drawn with a fixed seed, and goes over to a better one.
+    from other postures, drawn with a fixed seed, and switches to a better one. Only joints that
+    have moved a targeted task take part in that.
 
     Attributes:
         q: (n,) posture.
@@ -38,7 +40,7 @@ class PostureGoal:
 
     def __init__(
         self,
-        model: RobotModel,
+        robot: HeldBase,
         levels: Sequence[Level],
         lower: Array,
         upper: Array,
@@ -46,17 +48,17 @@ class PostureGoal:
         settings: ReachableSettings,
     ) -> None:
         """Between positions lower and upper (n,), from q (n,) on."""
-        self._model, self._levels, self._settings = model, tuple(levels), settings
+        self._robot, self._levels, self._settings = robot, tuple(levels), settings
         self._lower, self._upper = lower, upper
-        self._still = np.zeros(model.nv)
         self.q, self.moved_over = q.copy(), False
         self._solver, self._other = (
             HierarchySolver(
-                model.nv, KinematicSettings(trust_region=radius, switch=_SWITCH, adapts=False)
+                robot.n, KinematicSettings(trust_region=radius, switch=_SWITCH, adapts=False)
             )
             for radius in (settings.trust_region, _WIDER * settings.trust_region)
         )
         self._targets: dict[str, Array] = {}
+        self._moves = np.zeros(robot.n, dtype=bool)  # joints on the chains of the tasks
         self._begin_search()
 
     def advance(self, targets: Mapping[str, Array]) -> None:
@@ -106,11 +108,13 @@ class PostureGoal:
         """Near the present one and anywhere in turn."""
         if self._tried % 2:
             lower = np.where(np.isfinite(self._lower), self._lower, self.q - np.pi)
-            return self._random.uniform(
+            found = self._random.uniform(
                 lower, np.where(np.isfinite(self._upper), self._upper, lower + 2.0 * np.pi)
             )
-        shift = self._random.normal(0.0, _SPREAD, len(self.q))
-        return np.clip(self.q + shift, self._lower, self._upper)
+        else:
+            shift = self._random.normal(0.0, _SPREAD, len(self.q))
+            found = np.clip(self.q + shift, self._lower, self._upper)
+        return np.where(self._moves, found, self.q)
 
     def _is_better(self, errors: tuple[float, ...]) -> bool:
         for new, old in zip(errors, self.errors, strict=True):
@@ -122,8 +126,12 @@ class PostureGoal:
         self, solver: HierarchySolver, q: Array, targets: Mapping[str, Array]
     ) -> tuple[Array, tuple[float, ...]]:
         """q (n,) after an iteration, and the norms of the errors before it, by level."""
-        self._model.update(q, self._still)
-        rows = [level.rows(self._model, targets) for level in self._levels]
+        robot = self._robot
+        robot.update(q)
+        found = [level.rows(robot.model, targets) for level in self._levels]
+        rows = [replace(level, jacobian=robot.columns(level.jacobian)) for level in found]
+        for level in rows:
+            self._moves |= level.chain > 0.0
         step = solver.solve(rows, self._lower - q, self._upper - q)
         errors = tuple(float(np.linalg.norm(level.lower)) for level in rows)
         return np.clip(q + step, self._lower, self._upper), errors

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_controller.kinematics import Level
+from ghc_controller.reachable.held_base import HeldBase
 from ghc_controller.reachable.joint_motion import JointLimitsOfMotion, JointMotion
 from ghc_controller.reachable.posture_goal import PostureGoal
 from ghc_controller.reachable.settings import ReachableSettings
@@ -35,7 +36,10 @@ class ReachableReference:
     (PostureGoal) -> joint motion within limits (JointMotion) -> points of the tasks.
 
     A plan has points over one period, goes on for two more as if the target kept its velocity, and
-    ends with braking to rest: a node that stops stops the robot softly.
+    ends with braking to rest: if the node stops, the robot brakes smoothly.
+
+    A floating base counts as at rest where it is when a motion begins; the tasks of the controller
+    have to keep it there. Joints that do not move a task stay where they are.
 
     Attributes:
         limits: of the joint motion.
@@ -50,28 +54,27 @@ class ReachableReference:
         settings: ReachableSettings | None = None,
         posture: str = "",
     ) -> None:
-        """For a robot of its own: its model is updated here.
+        """The robot must not be used elsewhere: its model is updated here.
 
         Args:
             tasks: with a target stream each, highest priority first.
             posture: a further task without targets that is given the posture, "" for none.
 
         Raises:
-            ConfigurationError: a floating base, or no task.
+            ConfigurationError: no task.
             UnknownName: a task does not exist.
             InvalidValue: a task is named twice.
         """
-        if robot.floating_base:
-            raise ConfigurationError(
-                f"robot '{robot.name}' has a floating base; reachable targets need a fixed one"
-            )
         if not tasks:
             raise ConfigurationError("tasks: none given, at least one expected")
         names = [*tasks, *([posture] if posture else [])]
         if len(set(names)) != len(names):
             raise InvalidValue(f"tasks: {', '.join(names)} given, each once expected")
         self.settings = settings or ReachableSettings()
-        self._model, self._steps = robot.model, round(self.settings.period / _MILLISECOND)
+        self._robot, self._steps = (
+            HeldBase(robot.model),
+            round(self.settings.period / _MILLISECOND),
+        )
         self._targeted = [_task(robot, name) for name in tasks]
         self._followed = self._targeted + ([_task(robot, posture)] if posture else [])
         self.limits = JointLimitsOfMotion.of(robot.model, self.settings)
@@ -82,7 +85,7 @@ class ReachableReference:
         """Forget samples and motion."""
         for stream in self.streams.values():
             stream.reset()
-        self.joint_motion = np.zeros((0, 3, self._model.nv))
+        self.joint_motion = np.zeros((0, 3, self._robot.n))
         self._motion: JointMotion | None = None
         self._goal: PostureGoal | None = None
         self._last: Array | None = None  # (n,) where a reference ended
@@ -111,7 +114,7 @@ class ReachableReference:
         Args:
             position: as a reference of the task: [m], [rad], quaternions x, y, z, w.
             now: [s] time of the robot.
-            stamp: [s] when the target was there; without, as the times of arrival tell.
+            stamp: [s] when the target was there; without, estimated from the arrival times.
 
         Raises:
             UnknownName: the task has no stream.
@@ -123,9 +126,9 @@ class ReachableReference:
         self.streams[task].add(stamp, values, now)
 
     def position_of(self, task: str, q: Array) -> Array:
-        """Reference position of a task at positions q (n,), (position_size,)."""
-        self._model.update(q, np.zeros(self._model.nv))
-        return self.streams[task].task.current(self._model).copy()
+        """Reference position of a task at joint positions q (n,), (position_size,)."""
+        self._robot.update(q)
+        return self.streams[task].task.current(self._robot.model).copy()
 
     def plan(self, state: RobotState) -> tuple[ReferenceTrajectory, ...]:
         """Trajectories from the end of the last plan on, empty where nothing moves.
@@ -140,7 +143,7 @@ class ReachableReference:
         if self._motion is None or self._goal is None or late:
             self._begin(state)
         times, rows = [self._time], [self.output]
-        made = [np.zeros((0, 3, self._model.nv))]
+        made = [np.zeros((0, 3, self._robot.n))]
         while self._time < end - 0.5 * self.settings.period:
             motion = self._advance()
             made.append(motion)
@@ -160,10 +163,10 @@ class ReachableReference:
             return ()
         self._rests = at_rest
         self._add_tail(times, rows)
-        return task_references(self._model, self._followed, np.array(times), np.array(rows))
+        return task_references(self._robot, self._followed, np.array(times), np.array(rows))
 
     def _sleep(self, now: float) -> None:
-        """Forget the targets once no samples come: others may move the robot from now on."""
+        """Discard the targets once samples stop: the robot may be moved by others from then on."""
         if all(now - stream.time > _SILENT for stream in self.streams.values()):
             self._last = self.output[0]
             self._motion = self._goal = None
@@ -172,7 +175,7 @@ class ReachableReference:
 
     def _begin(self, state: RobotState) -> None:
         """Start at rest where the robot is, or where the last reference ended if that is near."""
-        q = state.q
+        q = self._robot.hold(state)
         if self._last is not None and all(
             self._distance(task, q, self._last) < _NEAR for task in self._targeted
         ):
@@ -181,17 +184,17 @@ class ReachableReference:
         limits = self.limits.containing(q)
         self._motion = JointMotion(self.limits, self.settings.smoothing, q)
         levels = [Level(task) for task in self._targeted]
-        self._goal = PostureGoal(self._model, levels, limits.lower, limits.upper, q, self.settings)
+        self._goal = PostureGoal(self._robot, levels, limits.lower, limits.upper, q, self.settings)
         self._time = state.time + self.settings.lead
         self._rests = False
-        self._model.update(q, np.zeros(self._model.nv))
+        self._robot.update(q)
         for task in self._targeted:
-            self.streams[task.name].begin(task.current(self._model))
+            self.streams[task.name].begin(task.current(self._robot.model))
 
     def _distance(self, task: Task, q: Array, other: Array) -> float:
         target = TaskTarget(self.position_of(task.name, other), *np.zeros((2, task.size)))
-        self._model.update(q, np.zeros(self._model.nv))
-        return float(np.linalg.norm(task.measured(self._model, target).error))
+        self._robot.update(q)
+        return float(np.linalg.norm(task.measured(self._robot.model, target).error))
 
     def _advance(self) -> Array:
         """(steps, 3, n) of the next period."""

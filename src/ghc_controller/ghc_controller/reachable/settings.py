@@ -25,7 +25,7 @@ class ReachableSettings:
         "from the state of a plan to its first point", 0.01, unit="s", domain=NOT_NEGATIVE
     )
     acceleration: float = declared(
-        "limit of every joint of the reference", 5.0, unit="rad/s^2, m/s^2", domain=POSITIVE
+        "limit of every joint of the reference", 2.5, unit="rad/s^2, m/s^2", domain=POSITIVE
     )
     velocity_share: float = declared(
         "of the robot's velocity limits", 0.8, unit="-", domain=Range(above=0.0, maximum=1.0)

@@ -15,8 +15,7 @@ from ghc_controller.references.follower import Follower, ReferenceSpace
 from ghc_controller.types import Array
 
 _AHEAD = 0.1  # [s] a stamp farther ahead of the robot's time belongs to another clock
-_RAW = 4.0  # [-] how much less raw arrival times are trusted: their errors come in a row
-_CONFIRMATIONS = 2  # further samples near a first one that is far away
+CONFIRMATIONS = 2  # further samples near a first one that is far away
 
 
 class TargetStream:
@@ -64,20 +63,20 @@ class TargetStream:
         """Take a sample.
 
         Args:
-            stamp: [s] when the target was there, in the robot's time; None: as the arrivals tell.
+            stamp: [s] when the target was there, in the robot's time; None: estimated from the
+            arrival times.
             position: as a reference position of the task.
             now: [s] time of the robot.
 
         Raises:
             WrongSize, InvalidValue: it does not fit the task, or its stamp or its distance from
-                the sample before is refused; the stream goes on without it.
+                the sample before is rejected; the stream goes on without it.
         """
         value = self.task.static_target(position).position
         jitter = self._settings.jitter
         if stamp is None:
             stamp = self._clock.stamp(now)
-            if not self._clock.has_line:
-                jitter *= _RAW
+            jitter *= self._clock.doubt
         self._check_stamp(stamp, now)
         parts = self._parts(value)
         if not self._estimators:
@@ -148,7 +147,7 @@ class TargetStream:
             far for far in self._far if self._distance(parts, far[1]) <= self._settings.jump
         ]
         self._far.append((stamp, parts))
-        if len(self._far) > _CONFIRMATIONS:
+        if len(self._far) > CONFIRMATIONS:
             self._far.clear()
             return
         raise InvalidValue(

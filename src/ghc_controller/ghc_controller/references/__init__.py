@@ -1,1 +1,1 @@
-"""What tasks follow: trajectories of references, and which of them is in force."""
+"""Task references: trajectories, and which of them is active."""

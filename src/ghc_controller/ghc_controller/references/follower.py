@@ -14,7 +14,7 @@ from ghc_controller.types import UNIT_TOLERANCE, Array, TaskTarget
 
 
 class ReferenceSpace(Enum):
-    """What the numbers of TaskTarget.position are; decides how references are interpolated."""
+    """Meaning of TaskTarget.position; determines how references are interpolated."""
 
     VECTOR = "vector"  # m numbers
     ORIENTATION = "orientation"  # unit quaternion x, y, z, w
@@ -22,7 +22,7 @@ class ReferenceSpace(Enum):
 
 
 class Follower(ABC):
-    """Takes targets of a fixed size; m numbers, or m coordinates of an orientation or a pose.
+    """Accepts targets of a fixed size: m numbers, or an orientation or pose with m rows.
 
     Attributes:
         name: unique name, as in references.
@@ -36,7 +36,7 @@ class Follower(ABC):
         """Store names and an optional standing reference.
 
         Raises:
-            InvalidValue, WrongSize: the reference cannot be one, see `check_target`.
+            InvalidValue, WrongSize: the reference is invalid, see `check_target`.
         """
         self.name = name
         self.labels = tuple(labels)
@@ -51,7 +51,7 @@ class Follower(ABC):
 
     @property
     def reference_size(self) -> int:
-        """Entries of TaskTarget.velocity: m, unless a task follows something else."""
+        """Entries of TaskTarget.velocity: m, unless the task overrides it."""
         return self.size
 
     @property
@@ -62,14 +62,18 @@ class Follower(ABC):
 
     @abstractmethod
     def current(self, model: RobotModel) -> Array:
-        """Task variable at the last update, as TaskTarget.position, (position_size,), fresh."""
+        """Current task variable, as TaskTarget.position, (position_size,); a new array."""
 
     def default_target(self, model: RobotModel) -> TaskTarget:
-        """Target until a reference arrives: the configured one, else stay where it is now."""
+        """Target until a reference arrives: the configured one, else the current value."""
         return self._reference or self.static_target(self.current(model))
 
+    def rest_target(self, model: RobotModel) -> TaskTarget:
+        """Target at which the robot stays where it is: the current value, unless that moves it."""
+        return self.static_target(self.current(model))
+
     def static_target(self, position: Array) -> TaskTarget:
-        """Target at rest at `position`; checked, see `check_target`, quaternions normalised."""
+        """Target at rest at `position`; checked, see `check_target`, quaternions normalized."""
         values = np.array(position, dtype=np.float64)
         target = TaskTarget(values, *np.zeros((2, self.reference_size)))
         self.check_target(target)
@@ -78,7 +82,7 @@ class Follower(ABC):
         return target
 
     def check_target(self, target: TaskTarget) -> None:
-        """Refuse wrong sizes, entries that are not finite and quaternions not of unit length.
+        """Reject wrong sizes, entries that are not finite and quaternions not of unit length.
 
         Raises:
             WrongSize, InvalidValue: name the task, the field, what was given and expected.

@@ -1,4 +1,4 @@
-"""Whether a reference can be meant: within reach of a sensor's or a planner's honest mistakes."""
+"""Plausibility check of references: rejects values far outside any robot's range."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FARTHEST = 10.0  # [m] or [rad] from the origin, along one axis
 FASTEST = 10.0  # [m/s] or [rad/s]
 SHARPEST = 1000.0  # [m/s^2] or [rad/s^2]
 STRONGEST = 2000.0  # [N] or [Nm]
-LIMIT_MARGIN = 0.1  # [rad] that the reference of a joint may be outside its limits
+LIMIT_MARGIN = 0.1  # [rad] by which the reference of a joint may exceed its limits
 
 
 def check_plausible(
@@ -25,10 +25,10 @@ def check_plausible(
     limits: JointLimits,
     joint_names: Sequence[str],
 ) -> None:
-    """Refuse a reference that no robot of this kind could follow.
+    """Reject a reference that no robot of this kind could follow.
 
     Args:
-        limits: of `joint_names`; a task whose labels are joints has to stay inside.
+        limits: of `joint_names`; references of posture tasks must be inside.
 
     Raises:
         InvalidValue: names the task, the field, what was given and expected.
@@ -39,6 +39,8 @@ def check_plausible(
         ("acceleration", reference.acceleration, SHARPEST),
         ("wrench", reference.wrench, STRONGEST),
     )
+    if set(task.labels) <= set(joint_names) and reference.position.shape[1] == len(task.labels):
+        _check_joints(task, reference.position, limits, joint_names)
     for name, values, most in fields:
         if values is None:
             continue
@@ -47,8 +49,6 @@ def check_plausible(
             raise InvalidValue(
                 f"task '{task.name}', {name}: {worst:g} given, at most {most:g} expected"
             )
-    if set(task.labels) <= set(joint_names) and reference.position.shape[1] == len(task.labels):
-        _check_joints(task, reference.position, limits, joint_names)
 
 
 def _check_joints(

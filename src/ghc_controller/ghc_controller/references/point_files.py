@@ -1,13 +1,14 @@
-"""Points of a reference from a file: CSV or YAML, as the command `reference` reads them.
+"""Reads reference points from CSV or YAML files, for the command `reference`.
 
 ```csv
 time,x,y,z,velocity_x,velocity_y,velocity_z
 0.0,0.50,0.1,0.7,0,0,0
 2.0,0.55,0.1,0.7,0,0,0
 ```
-A column `time` [s]; columns whose names begin with velocity_, acceleration_ or wrench_; every
-other one is a position, in the order of the task's rows (quaternions as qx, qy, qz, qw, after the
-position in a pose). Position columns with other names than these are joints of a posture task.
+`time` is in [s]. Columns that begin with velocity_, acceleration_ or wrench_ are derivatives and
+wrenches; all others are positions: x, y, z, qx, qy, qz, qw, or the joints of a posture task.
+Columns are matched by name, in any order: derivatives by the names of the positions or by x, y,
+z, rx, ry, rz. Columns with other names keep the order of the task's rows.
 
 ```yaml
 joints: [joint_1, joint_2]        # posture tasks only
@@ -30,14 +31,15 @@ Row = tuple[float, ...]
 
 _DERIVED = ("velocity", "acceleration", "wrench")
 _COORDINATES = ("x", "y", "z", "qx", "qy", "qz", "qw")
+_RATES = ("x", "y", "z", "rx", "ry", "rz")
 
 
 @dataclass(frozen=True)
 class Point:
-    """One point of a reference; an empty row is left to the controller."""
+    """One point of a reference; the controller fills empty rows."""
 
     time: float  # [s] after the start
-    position: Row = ()  # [m], [rad] or a unit quaternion x, y, z, w; empty = where it is
+    position: Row = ()  # [m], [rad] or a unit quaternion x, y, z, w; empty = current position
     velocity: Row = ()  # [m/s], [rad/s]
     acceleration: Row = ()  # [m/s^2], [rad/s^2]
     wrench: Row = ()  # [N], [Nm] on the environment
@@ -45,10 +47,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Points:
-    """Points by increasing time; sizes and values are judged by whoever knows the task."""
+    """Points by increasing time; sizes and values are not checked here."""
 
     points: tuple[Point, ...]
-    joints: tuple[str, ...] = ()  # that belong to the positions of a posture task
+    joints: tuple[str, ...] = ()  # of the positions of a posture task
 
     @property
     def end(self) -> float:
@@ -60,7 +62,7 @@ def read_points(file: Path) -> Points:
     """Points of a .csv, .yaml or .yml file.
 
     Raises:
-        ConfigurationError: the file, the row or field, what was given and expected.
+        ConfigurationError: names the file, the row or field, what was given and expected.
     """
     if file.suffix in (".yaml", ".yml"):
         return _from_yaml(file)
@@ -97,6 +99,9 @@ def _from_csv(file: Path) -> Points:
         raise ConfigurationError(
             f"{file}: a first line with the names of the columns expected, `time` among them"
         )
+    for name in names:
+        if names.count(name) > 1:
+            raise ConfigurationError(f"{file}: column '{name}' given twice, each once expected")
     columns = _columns(names)
     points = tuple(
         Point(**{name: _values(row, places) for name, places in columns.items()}, time=time)
@@ -108,13 +113,27 @@ def _from_csv(file: Path) -> Points:
 
 
 def _columns(names: Sequence[str]) -> Mapping[str, list[int]]:
-    """Field of a point -> places of its columns."""
-    found: dict[str, list[int]] = {"position": []}
+    """Field of a point -> indices of its columns, in the order of the task's rows."""
+    found: dict[str, dict[str, int]] = {"position": {}}
     for place, name in enumerate(names):
-        kind = name.partition("_")[0]
+        kind, _, row = name.partition("_")
         if name != "time":
-            found.setdefault(kind if kind in _DERIVED else "position", []).append(place)
-    return found
+            field, row = (kind, row) if kind in _DERIVED else ("position", name)
+            found.setdefault(field, {})[row] = place
+    positions = _ordered(found["position"], _COORDINATES)
+    return {
+        field: list(_ordered(_ordered(places, tuple(positions)), _RATES).values())
+        if field in _DERIVED
+        else list(positions.values())
+        for field, places in found.items()
+    }
+
+
+def _ordered(places: Mapping[str, int], order: Sequence[str]) -> dict[str, int]:
+    """Column indices by row, in the given order; unchanged if there are other rows."""
+    if not set(places) <= set(order):
+        return dict(places)
+    return {row: places[row] for row in order if row in places}
 
 
 def _values(row: Row, places: Sequence[int]) -> Row:
@@ -122,7 +141,7 @@ def _values(row: Row, places: Sequence[int]) -> Row:
 
 
 def _numbers(rows: Sequence[Sequence[str]], file: Path) -> list[Row]:
-    """All lines but the first one as numbers."""
+    """All lines after the header as numbers."""
     result = []
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(rows[0]):

@@ -1,8 +1,7 @@
-"""Polynomials through points: linear, cubic or quintic by how many derivatives are given."""
+"""Polynomials through points: linear, cubic or quintic, by the number of given derivatives."""
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from ghc_controller.types import Array
@@ -48,16 +47,4 @@ def hermite_coefficients(
     result[:, 3] = (10.0 * step - 4.0 * turn + 0.5 * bend) / t**3
     result[:, 4] = (-15.0 * step + 7.0 * turn - bend) / t**4
     result[:, 5] = (6.0 * step - 3.0 * turn + 0.5 * bend) / t**5
-    return result
-
-
-@numba.njit(cache=True)
-def evaluate(coefficients: Array, s: float) -> Array:
-    """Value, first and second derivative at s of one polynomial (6, m), as rows of (3, m)."""
-    result = np.zeros((3, coefficients.shape[1]))
-    for j in range(coefficients.shape[1]):
-        for k in range(5, -1, -1):  # Horner's scheme for the value and both derivatives
-            result[2, j] = result[2, j] * s + 2.0 * result[1, j]
-            result[1, j] = result[1, j] * s + result[0, j]
-            result[0, j] = result[0, j] * s + coefficients[k, j]
     return result

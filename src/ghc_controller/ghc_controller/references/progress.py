@@ -1,7 +1,8 @@
-"""What becomes of references that were accepted: done, or replaced before their end."""
+"""Detects when accepted references end: done, or replaced before their end."""
 
 from __future__ import annotations
 
+from bisect import bisect_right, insort_right
 from dataclasses import dataclass
 from enum import Enum
 
@@ -20,71 +21,78 @@ class ReferenceEvent:
     """End of one reference."""
 
     phase: ReferencePhase
-    time: float  # [s] at which it was noticed
+    time: float  # [s] of detection
     id: str
     task: str
     start: float  # [s]
     reason: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Open:
     id: str
     reference: ReferenceTrajectory
+    ends: bool  # its end has not been reported yet; single points never report one
+    hidden: bool  # an active reference started later: this one is never followed
 
     def ended(self, phase: ReferencePhase, time: float, reason: str = "") -> ReferenceEvent:
-        reference = self.reference
+        reference, self.ends = self.reference, False
         return ReferenceEvent(phase, time, self.id, reference.task, reference.start_time, reason)
 
 
-class ReferenceProgress:
-    """Follows accepted references of several points to their end.
+def _start(entry: _Open) -> float:
+    return entry.reference.start_time
 
-    As in `ReferenceSchedule`, of the references of a task the one that started last is followed;
-    of two with the same start the newer one. A single point has no end: it is only followed as
-    what may replace others.
+
+class ReferenceProgress:
+    """Tracks accepted references with several points until they end.
+
+    As in `ReferenceSchedule`, a task follows the reference that started last, and of two with the
+    same start the newer one. A single point has no end; it is tracked only because it may replace
+    others. The active reference stays active after its end: a reference with an earlier start
+    that arrives later is never followed.
     """
 
     def __init__(self) -> None:
-        """None was accepted yet."""
+        """Start without references."""
         self._open: dict[str, list[_Open]] = {}  # task -> in the order of their starts
+        self._now = float("-inf")  # [s] of the last `advance` or `end_all`
 
     def add(self, request_id: str, reference: ReferenceTrajectory) -> None:
-        """A reference was accepted."""
-        entries = self._open.setdefault(reference.task, [])
-        entries.append(_Open(request_id, reference))
-        entries.sort(key=lambda entry: entry.reference.start_time)
+        """Register an accepted reference."""
+        entries, start = self._open.setdefault(reference.task, []), reference.start_time
+        begun = bisect_right(entries, self._now, key=_start)
+        hidden = begun > 0 and start < _start(entries[begun - 1])
+        entry = _Open(request_id, reference, len(reference.times) > 1, hidden)
+        insort_right(entries, entry, key=_start)
 
     def advance(self, now: float) -> list[ReferenceEvent]:
-        """What has ended at `now` [s]."""
+        """References that have ended by `now` [s]."""
+        self._now = now
         events: list[ReferenceEvent] = []
-        for task, entries in list(self._open.items()):
-            while entries and entries[0].reference.start_time <= now:
-                entry, reference = entries[0], entries[0].reference
-                follows = entries[1].reference if len(entries) > 1 else None
-                begun = follows is not None and follows.start_time <= now
-                end = reference.start_time + float(reference.times[-1])
-                several = len(reference.times) > 1
-                if follows is not None and begun and several and follows.start_time < end:
-                    events.append(
-                        entry.ended(ReferencePhase.REPLACED, now, "a newer one has begun")
-                    )
-                elif several and end <= now:
+        for entries in self._open.values():
+            while len(entries) > 1 and entries[1].reference.start_time <= now:
+                entry, newer = entries.pop(0), entries[0].reference
+                if not entry.ends:
+                    continue
+                if entry.reference.end_time <= newer.start_time and not entry.hidden:
                     events.append(entry.ended(ReferencePhase.DONE, now))
-                elif several and not begun:
-                    break
-                entries.pop(0)
-            if not entries:
-                del self._open[task]
+                else:
+                    words = "a newer one has begun"
+                    events.append(entry.ended(ReferencePhase.REPLACED, now, words))
+            first = entries[0]
+            if first.ends and first.reference.end_time <= now:
+                events.append(first.ended(ReferencePhase.DONE, now))
         return events
 
     def end_all(self, now: float, reason: str) -> list[ReferenceEvent]:
-        """Nothing is followed any more from `now` [s] on, for a `reason`."""
+        """End all references at `now` [s] for a `reason`."""
+        self._now = now
         events = [
             entry.ended(ReferencePhase.REPLACED, now, reason)
             for entries in self._open.values()
             for entry in entries
-            if len(entry.reference.times) > 1
+            if entry.ends
         ]
         self._open.clear()
         return events

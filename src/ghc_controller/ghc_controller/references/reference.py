@@ -1,4 +1,4 @@
-"""What a task shall follow over time: points, interpolated at the controller's own rate."""
+"""Reference trajectory of a task: points, interpolated at the control rate."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ghc_controller.core import native
 from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.numerics.rotation import (
     matrix_from_quaternion,
     quaternion_conjugate,
     quaternion_product,
     rotation_log,
-    turned_motion,
     vector_motion,
 )
 from ghc_controller.references.follower import Follower, ReferenceSpace
-from ghc_controller.references.polynomials import evaluate, hermite_coefficients
+from ghc_controller.references.polynomials import hermite_coefficients
 from ghc_controller.types import UNIT_TOLERANCE, Array, TaskTarget
 
 
@@ -25,13 +25,13 @@ from ghc_controller.types import UNIT_TOLERANCE, Array, TaskTarget
 class ReferenceTrajectory:
     """Points of one task reference, checked on construction; p points of a task with m rows.
 
-    Between points, positions are polynomials: with velocity and acceleration quintic (they and
-    the positions are met at the points, acceleration is continuous), with velocity alone cubic,
-    with neither linear. Orientations do the same with the rotation vector from the segment's
-    first point, so that neither given means slerp at constant angular velocity; velocity and
-    acceleration are the angular ones in world axes. Wrenches are linear between points.
-    Before the first point its position is held at rest, after the last one the last position;
-    a trajectory that shall stop softly ends with zero velocity and acceleration.
+    Positions between points are polynomials: quintic with velocity and acceleration (both are met
+    at the points, and acceleration is continuous), cubic with velocity only, otherwise linear.
+    Orientations are interpolated in the same way in the rotation vector relative to the first
+    point of the segment; without derivatives this is slerp. Their velocity and acceleration are
+    angular, in world axes. Wrenches are linear between points.
+    The position of the first point is held at rest before it, that of the last point after it; to
+    stop smoothly, end a trajectory with zero velocity and acceleration.
     """
 
     task: str  # name of the task, for messages
@@ -41,8 +41,8 @@ class ReferenceTrajectory:
     position: Array  # (p, m); (p, 4) quaternion x, y, z, w; (p, 7) pose
     velocity: Array | None = None  # (p, m) [m/s], [rad/s]
     acceleration: Array | None = None  # (p, m) [m/s^2], [rad/s^2]
-    wrench: Array | None = None  # (p, m) [N], [Nm] to be exerted on the surroundings
-    start_time: float = 0.0  # [s] of the simulation, where times are zero
+    wrench: Array | None = None  # (p, m) [N], [Nm] exerted on the environment
+    start_time: float = 0.0  # [s] simulation time at which `times` are zero
     _is_vector: bool = field(init=False, repr=False)
     _times: list[float] = field(init=False, repr=False)
     _linear: list[Array] = field(init=False, repr=False)  # p - 1 of (6, vector rows)
@@ -86,7 +86,7 @@ class ReferenceTrajectory:
         wrench: Array | None = None,
         start_time: float = 0.0,
     ) -> ReferenceTrajectory:
-        """Trajectory with the sizes and the kind of positions of `task`."""
+        """Trajectory with the sizes and the position space of `task`."""
         return cls(
             task.name,
             task.space,
@@ -103,7 +103,7 @@ class ReferenceTrajectory:
     def static(
         cls, task: Follower, target: TaskTarget, start_time: float = 0.0
     ) -> ReferenceTrajectory:
-        """One point: the position (and wrench) of `target`, held for ever."""
+        """One point: the position (and wrench) of `target`, held indefinitely."""
         wrench = None if target.wrench is None else target.wrench[None]
         return cls.for_task(
             task, np.zeros(1), target.position[None], wrench=wrench, start_time=start_time
@@ -114,8 +114,12 @@ class ReferenceTrajectory:
         """[s] of the simulation at the last point."""
         return self.start_time + self._times[-1]
 
+    def rests(self, time: float) -> bool:
+        """Whether the reference stands still from `time` [s] on."""
+        return len(self._times) == 1 or time - self.start_time > self._times[-1]
+
     def target(self, time: float) -> TaskTarget:
-        """Reference at simulated time [s]; held ends come back as the same object every time."""
+        """Reference at simulated time [s]; held ends return the same object every time."""
         s = time - self.start_time
         if s < self._times[0] or len(self._times) == 1:
             return self._first
@@ -123,13 +127,13 @@ class ReferenceTrajectory:
             return self._last
         segment = min(bisect_right(self._times, s), len(self._times) - 1) - 1
         s -= self._times[segment]
-        linear = evaluate(self._linear[segment], s)
+        linear = native.evaluate(self._linear[segment], s)
         if self._is_vector:
             position, velocity, acceleration = linear
         else:
-            vector, rate, change = evaluate(self._angular[segment], s)
+            vector, rate, change = native.evaluate(self._angular[segment], s)
             start = self.position[segment, -4:]
-            quaternion, omega, alpha = turned_motion(start, vector, rate, change)
+            quaternion, omega, alpha = native.turned_motion(start, vector, rate, change)
             position = np.concatenate([linear[0], quaternion])
             velocity = np.concatenate([linear[1], omega])
             acceleration = np.concatenate([linear[2], alpha])
@@ -162,7 +166,7 @@ class ReferenceTrajectory:
             if self.velocity is None:
                 continue
             for side, (vector, quaternion) in enumerate(zip(ends[i], (start, end), strict=True)):
-                to_body = np.ascontiguousarray(matrix_from_quaternion(quaternion).T)
+                to_body = matrix_from_quaternion(quaternion).T
                 alpha = np.zeros(3)
                 if self.acceleration is not None:
                     alpha = to_body @ self.acceleration[i + side, -3:]

@@ -23,6 +23,8 @@ class StepStatus(Enum):
     @classmethod
     def after(cls, status: SolutionStatus) -> StepStatus:
         """That of a step whose QP ended so."""
+        if status is SolutionStatus.SOLVED:  # first: the hash of an Enum is Python's
+            return cls.SOLVED
         return _STEP_STATUS[status]
 
 
@@ -60,17 +62,17 @@ class TaskReport:
 
 @dataclass(frozen=True, slots=True)
 class ContactReport:
-    """Normal forces [N] of the contacts that a generator bounds, and the bounds in force."""
+    """Normal forces [N] of the contacts that a generator bounds, and the current bounds."""
 
     names: tuple[str, ...]  # c
     lower: Array  # (c,)
     upper: Array  # (c,)
-    force: Array  # (c,) what the QP asks for; 0 where a contact is off
+    force: Array  # (c,) QP forces; 0 for inactive contacts
 
 
 @dataclass(frozen=True, slots=True)
 class LoadReport:
-    """What the QP asks of the contacts that are on."""
+    """QP forces of the active contacts."""
 
     names: tuple[str, ...]  # a
     normal: Array  # (a,) [N] normal force of all points together

@@ -150,7 +150,7 @@ def _active_rows(limits: Limits, solution: Solution) -> tuple[str, ...]:
             if at_upper[k]:
                 names.append(f"{name}.upper" if k < contacts.bounds else name)
     if rows is not None:
-        value = rows.matrix @ solution.acceleration
+        value = rows.values(solution.acceleration, solution.force)
         size = _ACTIVE * np.maximum(np.abs(value), 1.0)
         near = (value <= rows.lower + size) | (value >= rows.upper - size)
         names += [rows.names[k] for k in np.flatnonzero(near)]

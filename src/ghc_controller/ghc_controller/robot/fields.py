@@ -1,4 +1,4 @@
-"""Declared fields of robot.yaml; what a task or a contact has is declared beside each."""
+"""Declared fields of robot.yaml; those of tasks and contacts are declared with each kind."""
 
 from __future__ import annotations
 
@@ -36,14 +36,22 @@ def _tasks_schema(schema: Any) -> dict[str, Any]:
 
 
 def _contacts_schema(schema: Any) -> dict[str, Any]:
-    """A list whose entries may name their kind."""
+    """A list whose entries may name their kind, and have the fields of that kind as well."""
     entry = schema.fields(ContactFields)
+    choices = []
+    for name in sorted(CONTACTS.built_in):
+        if CONTACTS[name].entry is not ContactFields:
+            own = schema.fields(CONTACTS[name].entry)
+            entry["properties"] |= own["properties"]
+            if_named = {"properties": {"kind": {"const": name}}, "required": ["kind"]}
+            choices.append({"if": if_named, "then": {"required": own["required"]}})
     kind = {
-        "description": "what is kept still, and which forces it carries",
+        "description": "which motion is fixed, and which forces it carries",
         "enum": sorted(CONTACTS.built_in),
         "default": DEFAULT_CONTACT,
     }
     entry["properties"] = {"kind": kind} | entry["properties"]
+    entry["allOf"] = choices
     return {"type": "array", "items": entry}
 
 
@@ -54,7 +62,7 @@ def _constraints_schema(schema: Any) -> dict[str, Any]:
 
 
 def _settings_schema(schema: Any) -> dict[str, Any]:
-    """The settings know robots, so that robots cannot know them."""
+    """The settings import robots, so robots cannot import them."""
     found: dict[str, Any] = schema.parameters_of("settings")
     return found
 
@@ -82,7 +90,7 @@ class LimitFields:
         schema=_positive_schema,
     )
     brake_acceleration: float = declared(
-        "what braking before a position limit may use; the torque limits must allow it",
+        "deceleration before a position limit; the torque limits must allow it",
         5.0,
         unit="rad/s^2",
         domain=_NOT_ZERO,
@@ -111,13 +119,13 @@ class RobotFields:
         "with a rigid environment", (), later=ContactFields, schema=_contacts_schema
     )
     constraints: tuple[Fields, ...] = declared(
-        "beside the limits of joints and torques",
+        "in addition to the limits of joints and torques",
         (),
         later=ConstraintFields,
         schema=_constraints_schema,
     )
     settings: Fields | None = declared(
-        "of the controller on this robot, by the names of its parameters",
+        "of the controller for this robot, by parameter name",
         None,
         later=dict,
         schema=_settings_schema,

@@ -1,4 +1,4 @@
-"""Robots by name: folders with a URDF, its robot.yaml and where they come from, or plug-ins."""
+"""Robots by name: folders with a URDF and its robot.yaml, or plug-ins."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ class TaskEntry:
     fields: Mapping[str, Any] = field(default_factory=dict)
 
     def as_mapping(self) -> dict[str, Any]:
-        """The entry as it would stand in robot.yaml."""
+        """The entry as in robot.yaml."""
         own = {"kind": self.kind, "name": self.name}
         return {**own, "stiffness": self.stiffness, "damping": self.damping, **self.fields}
 

@@ -1,11 +1,11 @@
-"""Where a robot's URDF is: beside its robot.yaml, or in an installed Python package.
+"""Location of a robot's URDF: next to its robot.yaml, or in an installed Python package.
 
 ```yaml
 urdf: my_arm.urdf                                   # relative to robot.yaml
 urdf: {package: my-models, file: share/my/arm.urdf} # in the files of a Python package
 urdf: package://my_description/urdf/my_arm.urdf     # in a ROS package that is sourced
 urdf: {description: panda_mj_description}           # of robot_descriptions, if in its cache
-urdf:                                               # changed on the way, see urdf_changes.py
+urdf:                                               # with changes, see urdf_changes.py
   package: my-models                                # without it the file is relative to robot.yaml
   file: share/my/walker.urdf
   root: right_sole                                  # link that becomes the base
@@ -34,7 +34,7 @@ from ghc_controller.schema.record import read
 
 @dataclass(frozen=True, slots=True)
 class FramePlace:
-    """A frame that a URDF gets on the way."""
+    """A frame that is added to a URDF."""
 
     link: str = declared("link of the URDF")
     position: tuple[float, float, float] = declared("in the link, with its axes", unit="m")
@@ -42,7 +42,7 @@ class FramePlace:
 
 @dataclass(frozen=True, slots=True)
 class UrdfFields:
-    """The section `urdf` of robot.yaml, where it is no path alone."""
+    """The section `urdf` of robot.yaml, if it is not just a path."""
 
     file: str = declared(
         "path, relative to robot.yaml or in the files of the package, or package://name/path", ""
@@ -62,12 +62,12 @@ class UrdfFields:
 
 
 def find_urdf(entry: object, robot_file: Path) -> Path:
-    """Path of the URDF that the field `urdf` of a robot.yaml names, changed where it says so.
+    """Path of the URDF named by the field `urdf` of a robot.yaml, with its changes applied.
 
     Raises:
         ConfigurationError: one line that says what was given, or which package is missing and
-            how to get it. Whether a file beside robot.yaml exists is left to whoever opens it.
-        UnknownName: a link or joint to be changed that the URDF has not.
+            how to get it. Whether a file next to robot.yaml exists is not checked here.
+        UnknownName: a link or joint to be changed that is not in the URDF.
     """
     given = _read(entry, robot_file)
     urdf = _model_file(given, robot_file)
@@ -87,7 +87,7 @@ def _model_file(given: UrdfFields, robot_file: Path) -> Path:
 
 
 def package_of(entry: object, robot_file: Path) -> str:
-    """Name of the Python package that a URDF comes with; empty for one beside robot.yaml.
+    """Name of the Python package that a URDF comes with; empty for one next to robot.yaml.
 
     Raises:
         ConfigurationError: the field is neither a path nor such a section.

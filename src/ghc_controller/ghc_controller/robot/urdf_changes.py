@@ -1,7 +1,7 @@
-"""A URDF with another root, with joints that are locked, and with frames of one's own.
+"""A URDF with another root, locked joints and additional frames.
 
-What the controller does not know is made simpler on the way, with a warning: mimic joints are
-held, continuous joints get limits, xacro is expanded.
+Features that the controller does not support are simplified with a warning: mimic joints are
+fixed, continuous joints get limits, xacro is expanded.
 
 A legged robot that stands on one foot is an arm whose base is that foot. The changed URDF is
 written to the user's cache, once for each content, so that controller and simulator read one file.
@@ -21,7 +21,7 @@ import numpy as np
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.robot.urdf_frames import inverse, numbers, origin_of, set_origin, vector
-from ghc_controller.robot.urdf_joints import lock, simplify_joints
+from ghc_controller.robot.urdf_joints import check_limits, lock, simplify_joints
 from ghc_controller.robot.urdf_text import (
     cache,
     is_translated,
@@ -37,7 +37,7 @@ _FORMAT = "2"  # of what is written: a new number makes old files of the cache u
 
 @dataclass(frozen=True, slots=True)
 class UrdfChanges:
-    """What a robot.yaml wants to be different; nothing by default."""
+    """Changes requested by a robot.yaml; none by default."""
 
     root: str = ""  # link that becomes the base; "" = that of the file
     locked: tuple[str, ...] = ()  # joints that stay at zero
@@ -45,20 +45,21 @@ class UrdfChanges:
     # name -> link, and position (3,) [m] of a frame in it, with its axes
 
     def write(self, urdf: Path) -> Path:
-        """Path of the changed URDF; that of `urdf` itself where nothing changes.
+        """Path of the changed URDF; that of `urdf` itself if nothing changes.
 
         Raises:
-            UnknownName: a link or joint that the URDF has not.
+            UnknownName: a link or joint that is not in the URDF.
             ConfigurationError: no URDF, one that cannot be expanded, or the changed one cannot be
                 written.
         """
         own = self.root or self.locked or self.frames
         if not urdf.is_file() and not own:
-            return urdf  # to be missed by whoever opens it
+            return urdf  # reported when it is opened
         text = urdf_text(urdf)
         robot = parse_urdf(urdf, text)
         if own:
             self._change(robot, urdf)
+        check_limits(robot, urdf)
         simpler = simplify_joints(robot)
         if str(simpler):
             _LOG.warning("%s: %s", urdf.name, simpler)
@@ -110,11 +111,11 @@ def _add_frame(robot: Element, name: str, link: str, position: Array) -> None:
 
 
 def _reroot(robot: Element, root: str) -> None:
-    """Turn the joints between `root` and the old base around.
+    """Reverse the joints between `root` and the old base.
 
-    A link's frame stands at the joint to its parent. On the way from the root up, each link P
+    A link's frame is at the joint to its parent. From the root upwards, each link P
     above a joint with origin T becomes the child: its frame moves to P T, where the joint is, and
-    the joint turns about the opposite axis.
+    the joint rotates about the opposite axis.
     """
     above = {_link(joint, "child"): joint for joint in robot.iterfind("joint")}
     moved = {root: np.eye(4)}  # link -> its new frame in its old one

@@ -1,12 +1,14 @@
-"""Joints of a URDF that become simpler ones: mimic joints are held, continuous ones get limits."""
+"""Simplified joints of a URDF: mimic joints are fixed, continuous ones get limits."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from ghc_controller.errors import ConfigurationError
 from ghc_controller.robot.urdf_frames import origin_of, set_origin, turn_about, vector
 
 TURNS = 100.0  # [-] either way that a continuous joint may turn; its limits are 2 pi times that
@@ -30,7 +32,7 @@ class SimplerJoints(NamedTuple):
 
 
 def simplify_joints(robot: Element) -> SimplerJoints:
-    """Replace them in place. A joint that is fixed already stays as it is."""
+    """Replace them in place. A joint that is already fixed is unchanged."""
     held, bounded = [], []
     for joint in robot.iterfind("joint"):
         name, kind = joint.get("name", ""), joint.get("type")
@@ -42,6 +44,18 @@ def simplify_joints(robot: Element) -> SimplerJoints:
             _bound(joint)
             bounded.append(name)
     return SimplerJoints(tuple(held), tuple(bounded))
+
+
+def check_limits(robot: Element, urdf: Path) -> None:
+    """Raise ConfigurationError for a joint that needs a limit and has none."""
+    for joint in robot.iterfind("joint"):
+        kind = joint.get("type")
+        needs = kind in ("revolute", "prismatic") and joint.find("mimic") is None
+        if needs and joint.find("limit") is None:
+            raise ConfigurationError(
+                f"{urdf}: joint '{joint.get('name', '')}' is {kind} and has no <limit>; lower, "
+                "upper, effort and velocity expected (type 'continuous' needs no lower and upper)"
+            )
 
 
 def lock(joint: Element) -> None:

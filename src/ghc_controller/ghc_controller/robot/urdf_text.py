@@ -1,4 +1,4 @@
-"""The one reader of URDF files: text, translated if need be, elements, meshes."""
+"""Reader of URDF files: text (expanded or converted if needed), elements, meshes."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from ghc_controller.errors import ConfigurationError
 from ghc_controller.robot.mjcf.convert import urdf_of_mjcf
 
 PACKAGE_SCHEME = "package://"
-_MJCF = re.compile(rb"\s*(<\?xml[^>]*\?>\s*)?(<!--.*?-->\s*)*<mujoco[\s>]", re.DOTALL)
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_MJCF = re.compile(rb"<mujoco[\s>]")
+_BEFORE = {b"<?": b"?>", b"<!--": b"-->"}  # what may stand before the first element, and its end
 _XACRO = b"<xacro:"  # an expanded file may still declare the namespace
 
 
 def urdf_text(file: Path) -> bytes:
-    """The URDF that a file holds; xacro is expanded with its own defaults, MJCF is converted.
+    """The URDF in a file; xacro is expanded with default arguments, MJCF is converted.
 
     Raises:
         ConfigurationError: no file, xacro or MJCF without the package that reads it, or an MJCF
@@ -32,7 +34,7 @@ def urdf_text(file: Path) -> bytes:
     if is_mjcf(text):
         folder = f"{file.stem}_{hashlib.sha256(str(file).encode() + text).hexdigest()[:16]}"
         return urdf_of_mjcf(file, cache() / folder)
-    if file.suffix != ".xacro" and _XACRO not in text:
+    if not _is_xacro(file, text):
         return text
     try:
         xacro = import_module("xacro")
@@ -53,16 +55,26 @@ def is_translated(file: Path) -> bool:
     if not file.is_file():
         return False
     text = file.read_bytes()
-    return file.suffix == ".xacro" or _XACRO in text or is_mjcf(text)
+    return _is_xacro(file, text) or is_mjcf(text)
+
+
+def _is_xacro(file: Path, text: bytes) -> bool:
+    """Comments aside: an expanded file may still hold what it was made of."""
+    if file.suffix == ".xacro":
+        return True
+    return _XACRO in text and _XACRO in _COMMENT.sub(b"", text)
 
 
 def is_mjcf(text: bytes) -> bool:
     """Whether a text is MuJoCo's model language."""
-    return _MJCF.match(text) is not None
+    rest = text.lstrip()
+    while opened := next((begin for begin in _BEFORE if rest.startswith(begin)), b""):
+        rest = rest.partition(_BEFORE[opened])[2].lstrip()
+    return _MJCF.match(rest) is not None
 
 
 def cache() -> Path:
-    """Folder of what is written on the way from a model's file to the engines."""
+    """Folder for files generated from a model file."""
     base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return Path(base) / "ghc_controller" / "urdf"
 
@@ -96,12 +108,11 @@ def place_meshes(robot: Element, urdf: Path) -> None:
 
 
 def resource_path(uri: str, urdf: Path) -> Path:
-    """File that a URDF means by `package://name/path`, or by a path relative to itself.
+    """File for `package://name/path` in a URDF, or for a path relative to it.
 
     The folder `name` is looked for in the folders above the URDF, as a package of robot models
     lays it out, then among the ROS packages that are sourced (AMENT_PREFIX_PATH,
-    ROS_PACKAGE_PATH); a URI that leads nowhere is taken as relative, to be missed by whoever
-    opens it.
+    ROS_PACKAGE_PATH); a URI without a match is taken as relative, and reported when it is opened.
     """
     if not uri.startswith(PACKAGE_SCHEME):
         return urdf.parent / uri

@@ -27,6 +27,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from ghc_controller.controller import Controller
+from ghc_controller.core import Clock
 from ghc_controller.errors import InvalidValue
 from ghc_controller.robot.library import load_robot
 from ghc_controller.ros.modes import ModeServer
@@ -34,11 +35,12 @@ from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.previews import PREVIEW_TOPIC, PreviewInbox
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PREVIEW_SUBSCRIBER_QOS
-from ghc_controller.ros.rejections import Rejections
+from ghc_controller.ros.rejections import CONTROLLER, Rejections, warning
 from ghc_controller.ros.requests import RequestSubscriber
 from ghc_controller.ros.run import run_node, tolerant
 from ghc_controller.ros.states import StateSubscriber
 from ghc_controller.ros.status import StatusPublisher
+from ghc_controller.ros.tuning.set_parameters import SETTINGS_THAT_CHANGE, ParameterTuning
 from ghc_controller.ros.wire.joint_state import (
     JointStateEncoder,
     JointStateValues,
@@ -53,14 +55,13 @@ from ghc_controller.types import Array, RobotState
 
 NODE_NAME = "controller"
 DIAGNOSTICS_PERIOD = 1.0  # [s] wall
-IDLE_PERIOD = 0.05  # [s] wall; requests are looked at although no state comes
+IDLE_PERIOD = 0.05  # [s] wall; requests are processed even without states
 SWITCH_INTERVAL = 1e-4  # [s] wall
 DOUBT = 0.1  # [s] wall; states that are implausible for longer are a fault
-JOINT_POSITION = "joint_states.position"
 
 
 def _of_robot(given: Fields) -> ControllerParameters | None:
-    """What robot.yaml says of the controller's settings."""
+    """The controller's settings in robot.yaml."""
     robot = given.value("robot", "")
     if not isinstance(robot, str) or not robot:
         return None
@@ -70,17 +71,20 @@ def _of_robot(given: Fields) -> ControllerParameters | None:
 class ControllerNode:
     """Wires topics to the controller; no arithmetic here."""
 
-    def __init__(self, stop: Future) -> None:  # noqa: ARG002 - nothing that comes in ends it
-        """Read the parameters, load the robot, compile, listen.
+    def __init__(self, stop: Future) -> None:  # noqa: ARG002 - no message stops it
+        """Read the parameters, load the robot, subscribe.
 
         Raises:
             GhcError: a parameter, or a file that it names, cannot be used.
         """
         self.node = Node(NODE_NAME, automatically_declare_parameters_from_overrides=True)
-        self._parameters = p = read_parameters(self.node, ControllerParameters, _of_robot)
+        self._parameters = p = read_parameters(
+            self.node, ControllerParameters, _of_robot, SETTINGS_THAT_CHANGE
+        )
         self.executor = p.executor
-        self._controller = Controller.for_robot(p.robot, p.settings)
-        self._controller.warm_up()
+        clock = None if p.lockstep else Clock()
+        self._controller = Controller.for_robot(p.robot, p.settings, clock)
+        self._tuning = ParameterTuning(self.node, self._controller)
         self._reader = JointStateReader(self._controller.model.joint_names)
         self._rejections = Rejections()
         self._states = StateSubscriber(
@@ -88,10 +92,9 @@ class ControllerNode:
         )
         self._previews = PreviewInbox(self._controller, self._states.plan, self._reject)
         self._modes = ModeServer(self.node, self._controller, p.armed_by, self._states.forget)
-        self._plausibility = StatePlausibility(
-            self._controller.model.joint_names, self._controller.model.limits
-        )
-        self._doubted_since: float | None = None  # [s] wall, since when no state was plausible
+        model = self._controller.model
+        self._plausibility = StatePlausibility(model.joint_names, model.limits, model.weight)
+        self._doubted_since: float | None = None  # [s] wall, time of the first implausible state
         self._requests = RequestSubscriber(
             self.node,
             self._controller,
@@ -116,7 +119,8 @@ class ControllerNode:
         if unheard:
             self.node.get_logger().warning(
                 f"the wrench of {', '.join(unheard)} is used by robot.yaml and not listened to: "
-                "name it in the parameter wait_for_contacts"
+                "name it in the parameter wait_for_contacts; until then plans alone say what "
+                "touches, and forces are not controlled"
             )
 
     def _publish_and_listen(self) -> None:
@@ -133,22 +137,23 @@ class ControllerNode:
         node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
         if not p.lockstep:
             node.create_timer(IDLE_PERIOD, self._on_idle, clock=wall)
-            # The thread of the requests gives way to a state within this time.
+            # The request thread yields to the control thread within this time.
             sys.setswitchinterval(SWITCH_INTERVAL)
 
     def repeat(self) -> None:
-        """Send the command again: its state came again."""
+        """Resend the command: its state was repeated."""
         self._commands.publish(self._command)
 
     def resume(self) -> None:
-        """States were missed: the next one may be anywhere inside the limits."""
+        """States were lost: accept any state inside the limits next."""
         self._plausibility.resume()
 
     def answer(self, values: JointStateValues, new_epoch: bool) -> None:
-        """Answer a complete state of the run under way, the first one of a `new_epoch` or not."""
+        """Answer a complete state of the current run; `new_epoch`: the first one of a run."""
         controller, stamp_ns = self._controller, values.stamp_ns
         try:
-            state = self._reader.read(values, self._states.epoch, *self._states.companions())
+            companions = self._states.companions(stamp_ns)
+            state = self._reader.read(values, self._states.epoch, *companions)
         except InvalidValue as error:
             self._states.forget()
             self._reject(str(error).split(":")[0], str(error))
@@ -182,6 +187,7 @@ class ControllerNode:
             if not self._modes.logic.latches:
                 raise
             self._modes.logic.fault(f"a step raised {type(error).__name__}: {error}")
+            self._send(values, controller.brake(state))  # this state is answered as well
             return
         self._send(values, result.torque)
         self._requests.tell(result.events)
@@ -198,9 +204,9 @@ class ControllerNode:
             self._mirror.publish(Float64MultiArray(data=torque))
 
     def _is_plausible(self, state: RobotState) -> bool:
-        """Whether a state can be true; if it cannot for long, that is a fault.
+        """Whether a state is plausible; implausible states for too long are a fault.
 
-        In lockstep states are the simulator's own and only have to be numbers.
+        In lockstep states come from the simulator and only need to be finite.
         """
         if self._parameters.lockstep:
             return True
@@ -211,7 +217,7 @@ class ControllerNode:
             self._states.forget()
             told = self._reject(str(error).split(":")[0], str(error))
             if isinstance(error, ImplausibleStart):
-                if told:  # a measured position is another one in every state
+                if told:  # a measured position differs in every state
                     self._modes.logic.waits(f"cannot start: {error}")
             elif self._doubted_since is None:
                 self._doubted_since = now
@@ -220,15 +226,17 @@ class ControllerNode:
             return False
         self._doubted_since = None
         if self._plausibility.jumped:
-            self._reject(f"{JOINT_POSITION}.jump", self._plausibility.jumped)
+            self._reject(
+                f"{self._plausibility.jumped.split(':')[0]}.jump", self._plausibility.jumped
+            )
             self._modes.logic.fault(self._plausibility.jumped)
         return True
 
     def _reject(self, field: str, reason: str) -> bool:
-        """Count a refusal; whether it was also logged, as the first of a field in a while is."""
+        """Count a rejection; returns whether it was logged (rate-limited per field)."""
         told = self._rejections.count(field, time.monotonic())
         if told:
-            self.node.get_logger().warning(f"{field}: {reason}")
+            self.node.get_logger().warning(warning(field, reason, CONTROLLER))
         return told
 
     def _on_idle(self) -> None:
@@ -239,15 +247,19 @@ class ControllerNode:
         mismatch = self._old_clients.look()
         if mismatch:
             self.node.get_logger().warning(mismatch)
-        silence = self._previews.silent(self._now or 0.0)
-        self._status.publish_diagnostics(self._now, silence, self._modes.text)
+        modes = self._modes
+        lasting = [self._previews.silent(self._now or 0.0)]
+        if modes.mode is Mode.LATCHED:
+            lasting.insert(0, modes.text)
+        self._status.publish_diagnostics(self._now, "; ".join(filter(None, lasting)), modes.text)
 
     def close(self) -> None:
-        """No resources to release."""
+        """End the thread that parses requests."""
+        self._requests.close()
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run the controller until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    """Run the controller until a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
     return run_node(NODE_NAME, ControllerNode, args)
 
 

@@ -1,4 +1,4 @@
-"""The part of the controller node that says which mode it is in, and lets others change it.
+"""Part of the controller node: publishes the mode and serves mode changes.
 
 Publishes  ghc/controller_mode (latched).
 Services   ~/arm, ~/hold, ~/reset_fault (std_srvs/Trigger).
@@ -19,16 +19,16 @@ from ghc_controller.ros.qos import LATCHED_QOS
 from ghc_controller.ros.time import time_from_seconds
 from ghc_controller.safety.modes import Arming, Mode, ModeLogic
 
-FALLBACK_TIME = 0.1  # [s] without a solution that is a fault
+FALLBACK_TIME = 0.1  # [s] without a solution before a fault is raised
 
 
 class ModeServer:
-    """Runs the logic of modes: what the controller is told, what is said about it."""
+    """Runs the mode logic: applies it to the controller and publishes it."""
 
     def __init__(
         self, node: Node, controller: Controller, arming: Arming, changed: Callable[[], None]
     ) -> None:
-        """`changed` is told that the state in force has to be worked out again."""
+        """`changed` is called when the current state has to be recomputed."""
         self._node = node
         self._controller = controller
         self._changed = changed
@@ -42,7 +42,7 @@ class ModeServer:
 
     @property
     def mode(self) -> Mode:
-        """The mode in force."""
+        """The current mode."""
         return self.logic.mode
 
     @property
@@ -76,7 +76,10 @@ class ModeServer:
         self._changed()
         self._publish()
         log = self._node.get_logger()
-        (log.error if self.mode is Mode.LATCHED else log.info)(self.text)
+        if self.mode is Mode.LATCHED:
+            log.error(f"{self.text}; all joints are braked and requests rejected until then")
+        else:
+            log.info(self.text)
 
     def _publish(self) -> None:
         message = ControllerMode(mode=self.logic.mode.value, reason=self.logic.reason)

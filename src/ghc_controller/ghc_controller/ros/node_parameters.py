@@ -1,29 +1,31 @@
-"""Parameters of nodes: declared dataclasses, read by the reader of files and declared to ROS."""
+"""Node parameters: dataclasses, checked as fields of files and declared to ROS."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+import sys
+from collections.abc import Callable, Container, Mapping
 from enum import Enum
 from typing import Any, TypeVar
 
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
 
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.migration.names import Kind, hint
 from ghc_controller.schema.declared import flat_values
-from ghc_controller.schema.domains import NotEmpty
+from ghc_controller.schema.domains import Domain, NotEmpty, Range
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import known_names, read
 
 P = TypeVar("P")
 
-# Declared by rclpy itself in every node.
+# Declared by rclpy in every node.
 _OF_RCLPY = frozenset({"use_sim_time", "start_type_description_service"})
 
 
 class ParameterFields(Fields):
-    """Parameters that a node was given; messages name them as parameters."""
+    """Parameters passed to a node; messages call them parameters."""
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         super().__init__(values, "parameters")
@@ -38,20 +40,24 @@ class ParameterFields(Fields):
 
 
 def read_parameters(
-    node: Node, kind: type[P], base: Callable[[Fields], P | None] = lambda _: None
+    node: Node,
+    kind: type[P],
+    base: Callable[[Fields], P | None] = lambda _: None,
+    changing: Container[str] = (),
 ) -> P:
     """Declare the fields of the dataclass `kind` on `node` and return their checked values.
 
-    Fields that stand inline in it are parameters like its own. The node must be made with
-    `automatically_declare_parameters_from_overrides=True`: only so can a misspelt name be told
-    from a right one.
+    Inlined fields are parameters like the others. Create the node with
+    `automatically_declare_parameters_from_overrides=True`: otherwise misspelled names are not
+    detected.
 
     Args:
-        base: of what is given, what holds for the rest instead of the defaults of `kind`.
+        base: values for parameters that are not given, instead of the defaults of `kind`.
+        changing: names of parameters that can be set while the node runs.
 
     Raises:
         ConfigurationError: a value has another type or is outside its domain.
-        UnknownName: a parameter was given that the node does not have.
+        UnknownName: an unknown parameter was given.
     """
     ours = {
         name: value
@@ -70,18 +76,30 @@ def read_parameters(
     record = read(given_values, kind, base=below)
     for entry, value in flat_values(record):
         domain = entry.declaration.domain
-        if isinstance(domain, NotEmpty) and domain.problem(value):  # a default that is no answer
+        if isinstance(domain, NotEmpty) and domain.problem(value):  # a required value
             raise given_values.error(entry.name, domain.problem(value))
         if node.has_parameter(entry.name):  # declared from outside, without a description
             node.undeclare_parameter(entry.name)
         descriptor = ParameterDescriptor(
             description=entry.meaning,
             additional_constraints="" if domain is None else domain.words,
-            read_only=True,
-            dynamic_typing=True,  # 2 is as good as 2.0
+            floating_point_range=_range(domain),
+            read_only=entry.name not in changing,
+            dynamic_typing=True,  # accept 2 for 2.0
         )
         node.declare_parameter(entry.name, _as_ros(value), descriptor, ignore_override=True)
     return record
+
+
+def _range(domain: Domain | None) -> list[FloatingPointRange]:
+    """The ROS descriptor of a closed range; empty for other domains."""
+    if not isinstance(domain, Range):
+        return []
+    lowest = max(domain.minimum, domain.above)
+    if not math.isfinite(lowest):
+        return []
+    highest = domain.maximum if math.isfinite(domain.maximum) else sys.float_info.max
+    return [FloatingPointRange(from_value=lowest, to_value=highest)]
 
 
 def _as_ros(value: Any) -> Any:

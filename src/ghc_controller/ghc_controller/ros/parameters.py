@@ -21,12 +21,12 @@ from ghc_controller.types import PREVIEW_STEP
 
 @dataclass(frozen=True, slots=True)
 class ControllerParameters:
-    """Parameters of controller: those of `Settings`, and what only the node needs."""
+    """Parameters of controller: those of `Settings`, and those of the node itself."""
 
     robot: str = parameter("", "name of a robot, or path of its robot.yaml", given)
     settings: Settings = inline(Settings)
     lockstep: bool = parameter(
-        False, "refuse references and transitions whose start has passed, for repeatable runs"
+        False, "reject references and transitions whose start has passed, for repeatable runs"
     )
     arming: str = parameter(
         "",
@@ -56,6 +56,6 @@ class ControllerParameters:
 
     @property
     def armed_by(self) -> Arming:
-        """What makes the controller active."""
+        """How the controller becomes active."""
         default = Arming.AUTOMATIC if self.lockstep else Arming.REQUEST
         return Arming(self.arming) if self.arming else default

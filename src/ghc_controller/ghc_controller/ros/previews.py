@@ -1,6 +1,6 @@
-"""The part of the controller node that listens to the constraint generators.
+"""Part of the controller node: receives previews of the constraint generators.
 
-Subscribes constraints/preview (ghc_msgs/ConstraintPreviews): one message of each generator a tick.
+Subscribes constraints/preview (ghc_msgs/ConstraintPreviews): one message per generator and tick.
 """
 
 from __future__ import annotations
@@ -11,14 +11,21 @@ from ghc_msgs.msg import ConstraintPreview, ConstraintPreviews
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue, UnknownName
-from ghc_controller.previews.preview import Preview
+from ghc_controller.previews.preview import Preview, StaleRule
 from ghc_controller.ros.conversions.previews import preview_from_message
 from ghc_controller.ros.time import nanoseconds_from_time
 from ghc_controller.types import NANOSECONDS
 
 PREVIEW_TOPIC = "constraints/preview"
 SILENCE = 0.1  # [s] of the robot's time; a generator plans every 10 ms
-_WAITING = 3  # previews of one kind that are kept; more only wait where ticks are ahead of time
+_WAITING = 3  # previews kept per kind; more only queue up if ticks are ahead of time
+
+_AFTER = {  # bounds after the end of a preview
+    StaleRule.OF_ROBOT: "as robot.yaml says",
+    StaleRule.HOLD: "its last point holds",
+    StaleRule.RELEASE: "robot.yaml alone holds",
+    StaleRule.TIGHTEN: "its tightest point holds",
+}
 
 _Waiting = tuple[int, int, ConstraintPreview]  # epoch, start [ns], preview
 
@@ -26,9 +33,9 @@ _Waiting = tuple[int, int, ConstraintPreview]  # epoch, start [ns], preview
 class PreviewInbox:
     """Keeps previews of each kind until a state at or after their start is answered.
 
-    A malformed preview is rejected as a whole, and the one before stays in force. Of a preview
-    for rows of which the robot lacks some, those are left out and the rest is followed. One
-    generator plans for a kind: another one is rejected until the first has been silent.
+    A malformed preview is rejected as a whole, and the previous one stays active. Rows that the
+    robot does not have are ignored. One generator plans for a kind: another one is rejected until
+    the first has timed out.
     """
 
     def __init__(
@@ -40,14 +47,14 @@ class PreviewInbox:
         """Hand previews to `controller`.
 
         Args:
-            received: told the kind of a preview, its stamp [ns] and its epoch.
-            reject: told the field and the reason of a rejection, or of what is left out.
+            received: called with the kind of a preview, its stamp [ns] and its epoch.
+            reject: called with the field and the reason of a rejection or of ignored rows.
         """
         self._controller = controller
         self._received = received
         self._reject = reject
         self._waiting: dict[str, list[_Waiting]] = {}
-        self._followed: dict[str, Preview] = {}  # kind -> preview in force
+        self._followed: dict[str, Preview] = {}  # kind -> active preview
 
     def take(self, message: ConstraintPreviews) -> None:
         """Keep a message for the next state."""
@@ -59,39 +66,54 @@ class PreviewInbox:
                 self._reject(PREVIEW_TOPIC, str(unknown))
                 continue
             # Generators plan ahead: one may wait for its start and the next for a new epoch.
-            before = self._waiting.get(kind, [])[1 - _WAITING :]
-            self._waiting[kind] = [*before, (message.epoch, start_ns, preview)]
+            waiting = [*self._waiting.get(kind, []), (message.epoch, start_ns, preview)]
+            own, others = self._by_generator(kind, waiting)
+            self._waiting[kind] = others[-_WAITING:] + own[-_WAITING:]
             self._received(kind, start_ns, message.epoch)
 
     def hand_over(self, epoch: int, now_ns: int) -> None:
-        """Let the controller follow the newest previews of this epoch begun at `now_ns`."""
+        """Let the controller follow the newest previews of this epoch that have started at
+        `now_ns`."""
         for kind, waiting in self._waiting.items():
             if not waiting:
                 continue
             begun = [entry for entry in waiting if entry[0] == epoch and entry[1] <= now_ns]
             self._waiting[kind] = [entry for entry in waiting if entry[:2] > (epoch, now_ns)]
-            if not begun:
-                continue
-            _, start_ns, message = begun[-1]
-            try:
-                self._follow(message, start_ns / NANOSECONDS, now_ns / NANOSECONDS)
-            except GhcError as error:
-                self._reject(f"{PREVIEW_TOPIC}/{kind}", str(error))
+            # The newest preview of the current generator is tried last.
+            own, others = self._by_generator(kind, begun)
+            for _, start_ns, message in others[-1:] + own[-1:]:
+                try:
+                    self._follow(message, start_ns / NANOSECONDS, now_ns / NANOSECONDS)
+                except GhcError as error:
+                    self._reject(f"{PREVIEW_TOPIC}/{kind}", str(error))
+                except Exception as error:  # of a constraint of another package
+                    words = f"preview rejected, {type(error).__name__}: {error}"
+                    self._reject(f"{PREVIEW_TOPIC}/{kind}", words)
 
     def forget(self) -> None:
-        """Time starts again: no preview is in force."""
+        """Time restarts: discard all previews."""
         self._followed.clear()
 
     def silent(self, now: float) -> str:
-        """Which generators have not been heard for a while at `now` [s], and what holds then."""
+        """Generators that have timed out at `now` [s], and the rule that applies."""
         complaints = []
         for kind, preview in self._followed.items():
             age = now - preview.start
             if age > SILENCE:
                 ended = now > preview.valid_until
-                what = "it has ended: bounds held" if ended else "following it"
+                what = f"it has ended: {_AFTER[preview.stale]}" if ended else "following it"
                 complaints.append(f"{PREVIEW_TOPIC}/{kind}: last one {age:.2f} s old, {what}")
         return "; ".join(complaints)
+
+    def _by_generator(
+        self, kind: str, previews: list[_Waiting]
+    ) -> tuple[list[_Waiting], list[_Waiting]]:
+        """Splits previews into those of the generator in charge of a kind, and others."""
+        before = self._followed.get(kind)
+        if before is None:
+            return previews, []
+        own = [entry for entry in previews if entry[2].name == before.name]
+        return own, [entry for entry in previews if entry[2].name != before.name]
 
     def _follow(self, message: ConstraintPreview, start: float, now: float) -> None:
         preview = preview_from_message(message, start)
@@ -103,6 +125,6 @@ class PreviewInbox:
         left_out = self._controller.follow(preview, now)
         self._followed[preview.kind] = preview
         if left_out:
-            # A field of its own: it comes with every preview and must not hide other rejections.
+            # A separate field: it occurs with every preview and must not hide other rejections.
             field = f"{PREVIEW_TOPIC}/{preview.kind}.left_out"
             self._reject(field, "; ".join(map(str, left_out)))

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-# Reliable on the publisher so that every reader matches; best effort on the control path, where
-# a message that is late is worth less than the next one.
+# Publishers are reliable so that every reader matches. Readers on the control path are best
+# effort: the next message is more useful than a late one.
 CONTROL_PUBLISHER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 CONTROL_SUBSCRIBER_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABLE_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
@@ -17,12 +17,12 @@ LATCHED_QOS = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 STREAM_QOS = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-# As STREAM_QOS, for a reader that wants every message although it looks rarely.
+# As STREAM_QOS, for a reader that needs every message but reads rarely.
 TRACE_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 PREVIEW_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-# Many generators publish on one topic: a reader keeps a preview of each.
+# All generators publish on one topic: readers keep a preview of each.
 PREVIEW_SUBSCRIBER_QOS = QoSProfile(depth=20, reliability=ReliabilityPolicy.RELIABLE)
-# One message a contact: as many are kept for a generator that starts later.
+# One message per contact, kept for generators that start later.
 SCHEDULE_QOS = QoSProfile(
     depth=100,
     reliability=ReliabilityPolicy.RELIABLE,
@@ -42,15 +42,16 @@ CLOCK_QOS = QoSProfile(
 )
 
 
-# Deep enough for whatever a node says at once; slow topics hold few messages anyway.
+# Deep enough for any burst of a node; slow topics hold few messages anyway.
 RECORDING_DEPTH = 1000  # [-]
 
 
 def recording_qos(offered: Sequence[QoSProfile], lossless: bool) -> QoSProfile:
-    """Quality of service that matches every one of the `offered` ones.
+    """Quality of service compatible with all `offered` ones.
 
-    Latched messages are asked for only where all publishers keep them; reliability likewise, and
-    only if `lossless`: acknowledging each message of a fast topic costs its publisher time.
+    Latched messages are requested only if all publishers latch them. Reliability is requested
+    only if all offer it and `lossless` is set: acknowledgments of a fast topic cost its publisher
+    time.
     """
     reliable = all(o.reliability == ReliabilityPolicy.RELIABLE for o in offered)
     latched = all(o.durability == DurabilityPolicy.TRANSIENT_LOCAL for o in offered)

@@ -1,7 +1,7 @@
-"""The part of the controller node that takes states: paired, believed or refused with a reason.
+"""Part of the controller node: receives states, pairs them with companions, rejects stale ones.
 
 Publishes  ghc/tick (start and epoch of the generators' next tick).
-Subscribes joint_states, contacts/<name> where it has to wait for them, odom for a floating base,
+Subscribes joint_states, contacts/<name> if steps wait for them, odom for a floating base,
            sim_bridge/epoch.
 """
 
@@ -35,25 +35,25 @@ from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Timeline
 from ghc_controller.types import NANOSECONDS, Array
 
 STATES, ODOMETRY = "joint_states", "odom"
-MOST_PERIODS = 20  # [-] of control between two states that follow each other, at most
+MOST_PERIODS = 20  # [-] control periods between two consecutive states, at most
 _REFUSED = (StateDisposition.STALE, StateDisposition.IMPLAUSIBLE)
 
 
 class Answers(Protocol):
-    """Who answers the states that are to be answered."""
+    """Receiver of the states to be answered."""
 
     def answer(self, values: JointStateValues, new_epoch: bool) -> None:
-        """Answer a state; a run begins with it where it is of a `new_epoch`."""
+        """Process a state; `new_epoch`: it is the first one of a run."""
 
     def repeat(self) -> None:
-        """The state answered last came again: the same command again."""
+        """The last answered state was repeated: send the same command again."""
 
     def resume(self) -> None:
-        """States were missed: the next one may be anywhere."""
+        """States were lost: the next one may be far from the last."""
 
 
 class StateSubscriber:
-    """Hands complete states of the run under way to whoever answers them."""
+    """Passes complete states of the current run to their receiver."""
 
     def __init__(
         self,
@@ -63,7 +63,7 @@ class StateSubscriber:
         answers: Answers,
         reject: Callable[[str, str], object],
     ) -> None:
-        """Subscribe; `reject` is told the field and the reason of a refusal."""
+        """Subscribe; `reject` is called with the field and the reason of a rejection."""
         period_ns = round(parameters.settings.control_dt * NANOSECONDS)
         tick_ns = round(parameters.bounds_step * NANOSECONDS)
         contacts = parameters.wait_for_contacts
@@ -95,7 +95,7 @@ class StateSubscriber:
 
     @property
     def epoch(self) -> int:
-        """Of the run under way."""
+        """Of the current run."""
         return self._gate.epoch
 
     def is_stale(self, stamp_ns: int) -> bool:
@@ -106,14 +106,14 @@ class StateSubscriber:
         """Whether a stamp [ns] is of a run that was announced and has not begun."""
         return self._gate.timeline.is_of_next_run(stamp_ns)
 
-    def companions(self) -> tuple[Mapping[str, Array], Array | None]:
-        """Wrenches by contact name, and the base, that belong to the state under way."""
-        wrenches = self._gate.values
+    def companions(self, stamp_ns: int) -> tuple[Mapping[str, Array], Array | None]:
+        """Wrenches by contact name, and the base, of the state of a stamp [ns]."""
+        wrenches = self._gate.companions_of(stamp_ns)
         base = wrenches.pop(ODOMETRY, None)
         return wrenches, base
 
     def plan(self, name: str, stamp_ns: int, epoch: int) -> None:
-        """A plan of a generator has come: a state may have waited for it."""
+        """A plan has arrived; process a state that waited for it."""
         self._continue(self._gate.plan(name, stamp_ns, epoch))
 
     def answered(self, stamp_ns: int) -> None:
@@ -122,7 +122,7 @@ class StateSubscriber:
         self._announce(self._announcer.on_answer(stamp_ns, self._gate.epoch))
 
     def forget(self) -> None:
-        """Answer the last state anew if it is repeated, since an input has changed."""
+        """Recompute the answer if the last state is repeated, since an input has changed."""
         self._gate.forget()
 
     def _on_state(self, data: bytes) -> None:

@@ -15,12 +15,12 @@ from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.conversions.previews import obstacle_message
 from ghc_controller.ros.conversions.status import controller_state_message, matrix_message
 from ghc_controller.ros.qos import LATCHED_QOS, STREAM_QOS
-from ghc_controller.ros.rejections import Rejections
+from ghc_controller.ros.rejections import Recent, Rejections
 from ghc_controller.types import NANOSECONDS
 
 
 class StatusPublisher:
-    """Says at `state_rate`, and at every fallback, what the controller did."""
+    """Publishes the status of the controller at `state_rate` and at every fallback."""
 
     def __init__(
         self, node: Node, controller: Controller, rejections: Rejections, state_rate: float
@@ -29,6 +29,7 @@ class StatusPublisher:
         self._name = node.get_name()
         self._controller = controller
         self._rejections = rejections
+        self._recent = Recent()
         self._period_ns = round(NANOSECONDS / state_rate)
         self._due_ns = 0
         self._shown_matrix: tuple[bytes, tuple[float, ...], bool, int] | None = None
@@ -37,11 +38,11 @@ class StatusPublisher:
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
 
     def reset(self) -> None:
-        """Time starts again."""
+        """Time restarts."""
         self._due_ns = 0
 
     def publish(self, stamp_ns: int, epoch: int, status: StepStatus) -> None:
-        """Publish the status of the last step, at `stamp_ns` [ns], if it is time."""
+        """Publish the status of the last step, at `stamp_ns` [ns], if due."""
         if stamp_ns < self._due_ns and status is not StepStatus.FALLBACK:
             return
         self._due_ns = stamp_ns - stamp_ns % self._period_ns + self._period_ns
@@ -50,14 +51,14 @@ class StatusPublisher:
         priorities = self._controller.priorities
         shares = tuple(candidate.share for candidate in priorities.in_force.candidates)
         shown = (priorities.alpha.tobytes(), shares, priorities.in_transition, epoch)
-        if shown != self._shown_matrix:  # latched: who comes later gets the last one
+        if shown != self._shown_matrix:  # latched: late subscribers receive the last one
             self._shown_matrix = shown
             self._matrix.publish(matrix_message(priorities, stamp_ns / NANOSECONDS))
 
     def _publish_state(self, epoch: int) -> None:
         controller = self._controller
         report = controller.report()
-        rejected = dict(self._rejections.counts)  # the thread of the requests counts as well
+        rejected = dict(self._rejections.counts)  # the request thread also writes to it
         report.counts.update({f"rejected_{k}": n for k, n in rejected.items()})
         message = controller_state_message(
             report,
@@ -70,31 +71,33 @@ class StatusPublisher:
         message.obstacles = [obstacle_message(entry) for entry in report.obstacles]
         self._state.publish(message)
 
-    def publish_diagnostics(self, now: float | None, silence: str, mode: str) -> None:
-        """Publish counters.
+    def publish_diagnostics(self, now: float | None, lasting: str, mode: str) -> None:
+        """Publish counters; those that rose lately are a warning.
 
         Args:
             now: [s] of the last state, None before the first.
-            silence: who is missed.
-            mode: the mode in force, and why.
+            lasting: what is a warning as long as it lasts: generators that have timed out, a
+                latched fault.
+            mode: the current mode, and why.
         """
         controller = self._controller
         counts = controller.counts | controller.gate.counts
         refused = sum(self._rejections.counts.values())
         rejected = {f"rejected_{k}": n for k, n in sorted(self._rejections.counts.items())}
         trouble = counts["fallback_ticks"] + refused
-        summary = "ok" if now is not None else "waiting for joint_states"
-        if trouble:
-            summary = f"{counts['fallback_ticks']} ticks without a solution, "
-            summary += f"{refused} inputs refused"
-        summary = "; ".join(part for part in (silence, summary) if part)
+        warning, summary = self._recent.told(
+            trouble,
+            f"{counts['fallback_ticks']} ticks without a solution, {refused} inputs rejected",
+            "ok" if now is not None else "waiting for joint_states",
+        )
+        summary = "; ".join(part for part in (lasting, summary) if part)
         values: dict[str, object] = {"formulation": controller.formulation.name, "mode": mode}
         self._diagnostics.publish(
             diagnostics_message(
                 round((now or 0.0) * NANOSECONDS),
                 self._name,
                 summary,
-                trouble > 0 or bool(silence),
+                warning or bool(lasting),
                 values | counts | rejected,
             )
         )

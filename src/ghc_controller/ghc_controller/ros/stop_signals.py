@@ -1,8 +1,8 @@
-"""Ctrl-C and SIGTERM, also where a parent ignores them: nohup, cron, a job in the background.
+"""Ctrl-C and SIGTERM, even if the parent process ignores them: nohup, cron, background jobs.
 
-A program that is started while SIGINT is ignored inherits that, Python then raises no
-KeyboardInterrupt, and all that it starts inherits it in turn. A signal that arrives while compiled
-code calls Python may surface as another exception, or as none: `stop_was_asked` tells.
+A process started while SIGINT is ignored inherits this, and so do its children; Python then raises
+no KeyboardInterrupt. A signal that arrives while compiled code calls Python may surface as another
+exception or not at all; `stop_was_asked` reports it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _ASKED = threading.Event()
 
 
 def interrupt_on_stop_signals() -> None:
-    """Both signals raise KeyboardInterrupt from now on, whatever was inherited."""
+    """Make both signals raise KeyboardInterrupt, regardless of inherited handlers."""
     _ASKED.clear()
     for number in STOP_SIGNALS:
         signal.signal(number, _interrupt)
@@ -23,18 +23,18 @@ def interrupt_on_stop_signals() -> None:
 
 
 def stop_was_asked() -> bool:
-    """Whether one of both signals came since `interrupt_on_stop_signals`."""
+    """Whether either signal was received since `interrupt_on_stop_signals`."""
     return _ASKED.is_set()
 
 
 def raise_if_stopped() -> None:
-    """Raise the KeyboardInterrupt that compiled code may have swallowed; for loops that wait."""
+    """Raise a KeyboardInterrupt that compiled code may have swallowed; for waiting loops."""
     if stop_was_asked():
         raise KeyboardInterrupt
 
 
 def restore_stop_signals() -> None:
-    """Let both signals end this process; to be called in a child between fork and exec."""
+    """Restore the default action of both signals; called in a child between fork and exec."""
     for number in STOP_SIGNALS:
         signal.signal(number, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)

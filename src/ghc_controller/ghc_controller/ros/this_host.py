@@ -1,9 +1,9 @@
 """Closed by default: discovery and data of a process stay on this host.
 
-`ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST` alone closes discovery by multicast. It leaves sockets on
-all interfaces, so that whoever names this host as a static peer reads and writes every topic; and
-the static peers of this process are still called. Here the middleware gets sockets of the loopback
-interface only. Call before `rclpy.init`, which reads all of this once.
+`ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST` only disables multicast discovery. Sockets stay open on
+all interfaces, so that any host that lists this one as a static peer can read and write every
+topic, and static peers of this process are still contacted. Here the middleware opens sockets on
+the loopback interface only. Call before `rclpy.init`, which reads these variables once.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ghc_controller.errors import InvalidValue
 CHOICE = "GHC_NETWORK"
 HOST, NETWORK = "host", "network"
 PROFILE = Path(__file__).with_name("this_host.xml")
-# What would lead out of the host, or to another profile.
+# Variables that would open the host or select another profile.
 _REMOVED = (
     "ROS_STATIC_PEERS",
     "ROS_LOCALHOST_ONLY",

@@ -1,4 +1,4 @@
-"""Between stamps of messages, nanoseconds and seconds."""
+"""Conversions between message stamps, nanoseconds and seconds."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Ask for other priorities by hand and follow what becomes of it.
+"""Request a priority transition from the command line and follow its status.
 
     ros2 run ghc_controller transition 'elbow > end_effector > posture' --duration 2.0
 
-Publishes   ghc/priority_transition: one message, once a controller has shown that it is there.
-Subscribes  ghc/priority_matrix (prints the hierarchy in force) and ghc/transition_status (prints
+Publishes   ghc/priority_transition: one message, once a controller is found.
+Subscribes  ghc/priority_matrix (prints the current hierarchy) and ghc/transition_status (prints
             each status of the request as it arrives).
 Exit code   0 DONE; 1 REJECTED, PREEMPTED or no answer in time; 2 wrong arguments; 130 Ctrl-C.
 """
@@ -20,14 +20,14 @@ from rclpy.node import Node
 from rclpy.utilities import remove_ros_args
 
 from ghc_controller.hierarchy import Profile
-from ghc_controller.ros.by_hand.follow import add_timing, follow, line, show
+from ghc_controller.ros.by_hand.follow import add_timing, follow, line, show, where_controllers_are
 from ghc_controller.ros.qos import LATCHED_QOS, RELIABLE_QOS
 from ghc_controller.ros.run import EXIT_FAILED
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_controller.types import NANOSECONDS
 
 NODE_NAME = "transition"
-_DURATION = 2.0  # [s] of a ramp for which nothing is said
+_DURATION = 2.0  # [s] default duration of a ramp
 _WORDS = {
     getattr(TransitionStatus, word): word
     for word in ("ACCEPTED", "REJECTED", "ACTIVE", "DONE", "PREEMPTED")
@@ -45,7 +45,7 @@ class TransitionRequest:
     def __init__(self, request: PriorityTransition, show: Callable[[str], None]) -> None:
         self.node = Node(NODE_NAME)
         self.sent = False
-        self.exit_code: int | None = None  # None while the request is under way
+        self.exit_code: int | None = None  # None while the request is pending
         self._request = request
         self._show = show
         self._publisher = self.node.create_publisher(
@@ -54,25 +54,28 @@ class TransitionRequest:
         self.node.create_subscription(
             TransitionStatus, "ghc/transition_status", self._on_status, RELIABLE_QOS
         )
-        # Made last: once its latched message is here, the controller knows the one above.
+        # Created last: once its latched message arrives, the controller knows the publisher above.
         self.node.create_subscription(
             PriorityMatrix, "ghc/priority_matrix", self._on_matrix, LATCHED_QOS
         )
         self._in_force: PriorityMatrix | None = None
 
     def send_when_heard(self) -> None:
-        """Send the request, once, when a controller will get it and can answer."""
+        """Send the request once, when a controller can receive it and reply."""
         matrix = self._in_force
         if self.sent or matrix is None or self._publisher.get_subscription_count() == 0:
             return
-        self._show(line(matrix.header.stamp, "in force", matrix.hierarchy or "a matrix"))
+        self._show(line(matrix.header.stamp, "current", matrix.hierarchy or "a matrix"))
         self._publisher.publish(self._request)
         self.sent = True
 
     def missing(self) -> str:
-        """What did not happen yet."""
+        """What has not happened yet."""
         if self.sent:
             return "the transition did not end"
+        elsewhere = where_controllers_are(self.node, "ghc/priority_matrix")
+        if elsewhere:
+            return f"no ghc/priority_matrix{elsewhere} none came"
         return "no ghc/priority_matrix: no controller, or one without joint_states,"
 
     def _on_matrix(self, message: PriorityMatrix) -> None:
@@ -85,7 +88,7 @@ class TransitionRequest:
 
 
 def status_line(message: TransitionStatus) -> str:
-    """Status and what there is to know about it."""
+    """Status and its details."""
     detail = message.hierarchy
     if message.status == TransitionStatus.REJECTED:
         detail = message.reason
@@ -139,7 +142,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _duration(options: argparse.Namespace) -> float:
-    """[s] given, or the default: a budget alone decides where there is one."""
+    """Given duration [s], or the default: 0 with a torque-rate budget."""
     if options.duration is not None:
         return float(options.duration)
     return 0.0 if options.torque_rate else _DURATION

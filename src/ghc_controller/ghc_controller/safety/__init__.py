@@ -1,1 +1,1 @@
-"""What stands between an answer and the motors: the torque gate and the braking law."""
+"""Safety layer between solver and motors: modes, plausibility, torque gate, braking law."""

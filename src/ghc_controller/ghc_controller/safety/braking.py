@@ -1,9 +1,9 @@
-"""Braking in acceleration space: what a robot does when there is no other answer.
+"""Braking in acceleration space: the fallback if there is no other solution.
 
-The one braking law: of the controller without an answer, of its gate, and of the bridge that
-holds an arm without commands. It acts on accelerations, dv = -v / BRAKE_TIME, and not as a
-damping torque -k v: one k for all joints is unstable on a light wrist (k dt / inertia > 2) or
-lame on the shoulder.
+The only braking law: used by the controller without a solution, by its gate, and by the bridge
+that holds an arm without commands. It acts on accelerations, dv = -v / BRAKE_TIME, and not as a
+damping torque -k v: one k for all joints is unstable on a light wrist (k dt / inertia > 2) or too
+weak on the shoulder.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ def braking_torque(
 
     Args:
         dynamics: at the current state.
-        velocity: (n,) [rad/s]; the base of a floating one (the first n - a entries) is asked to
-            stay, as far as forces at the contacts can carry it.
+        velocity: (n,) [rad/s]; the base of a floating one (the first n - a entries) is commanded
+            to stay, as far as forces at the contacts can carry it.
         torque_limit: (a,) [Nm], inf where there is none.
         contact_rows: contacts that are on; their forces are the smallest that fit, friction aside.
         previous: (a,) [Nm] torque applied over the last control period.
         torque_step: largest change from `previous` per control period [Nm], a number or (a,); inf
             = no limit.
-        max_acceleration: [rad/s^2] of a joint; inf where the bounds alone are to say.
+        max_acceleration: [rad/s^2] of a joint; inf = only the bounds apply.
     """
     base = velocity.shape[0] - torque_limit.shape[0]
     acceleration = np.clip(-velocity / BRAKE_TIME, -max_acceleration, max_acceleration)
@@ -50,7 +50,7 @@ def braking_torque(
     bias = _of_motors(dynamics.bias, base, contact_rows)
     lower, upper = -torque_limit, torque_limit
     if previous is not None:
-        # Where the last torque is itself outside the limits, the limits win.
+        # If the last torque is itself outside the limits, the limits take precedence.
         lower = np.minimum(np.maximum(lower, previous - torque_step), upper)
         upper = np.maximum(np.minimum(upper, previous + torque_step), -torque_limit)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
+from ghc_controller.core import Gate
 from ghc_controller.safety.braking import braking_torque
-from ghc_controller.safety.torque_gate import COUNTED_EXCESS, TorqueGate, clip_torque
+from ghc_controller.safety.torque_gate import COUNTED_EXCESS, TorqueGate
 from ghc_controller.types import Array, Dynamics
 
-# Names of what the gate caught, as in OutputGate.counts.
+# Names of gate events, as in OutputGate.counts.
 NOT_FINITE = "gate_not_finite"  # the torque had NaN or inf: held by braking instead
 TORQUE_LIMIT = "gate_torque_limit"  # outside the torque limits
 TORQUE_RATE = "gate_torque_rate"  # changed faster than the rate limit
@@ -22,7 +21,7 @@ APPLIED_UNKNOWN = "gate_applied_unknown"  # the applied torque was not finite: r
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """What may leave, and what the gate had to change."""
+    """Output torque, and what the gate had to change."""
 
     torque: Array  # (a,) [Nm] fresh array
     hits: tuple[str, ...]  # names as above; empty when the input went through
@@ -31,8 +30,8 @@ class Output:
 class OutputGate:
     """Finite, inside the torque limits, and within the rate limit of the applied torque.
 
-    Where limits and rate exclude each other (the applied torque was outside the limits), the
-    limits win. `counts` adds up the ticks of each kind of hit.
+    If limits and rate exclude each other (the applied torque was outside the limits), the limits
+    take precedence. `counts` has the number of ticks of each kind of event.
     """
 
     def __init__(self, torque_limit: Array, rate_limit: Array | float, control_dt: float) -> None:
@@ -49,32 +48,36 @@ class OutputGate:
         self._gate = TorqueGate(torque_limit, rate_limit, control_dt)
         self.torque_limit = self._gate.torque_limit
         self.torque_step_limit = self._gate.torque_step_limit  # (a,) [Nm] per control period
-        self._no_step_limit = np.full(self.torque_limit.shape, np.inf)
         names = (NOT_FINITE, TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN, APPLIED_UNKNOWN)
         self.counts = dict.fromkeys(names, 0)
+
+    @property
+    def core(self) -> Gate:
+        """The gate of the core, which clips as `apply` does."""
+        return self._gate.core
 
     def apply(
         self, torque: Array, applied: Array | None, dynamics: Dynamics, velocity: Array
     ) -> Output:
-        """Torque that may leave.
+        """Output torque.
 
         Args:
-            torque: (a,) [Nm] what the formulation wants, anything.
+            torque: (a,) [Nm] of the formulation, any values.
             applied: (a,) [Nm] torque over the last period; None before the first one.
             dynamics, velocity: at this state, (n,); for the braking torque only.
         """
         hits: list[str] = []
-        if not _is_finite(torque):
-            hits.append(NOT_FINITE)
-            torque = self._hold(applied, dynamics, velocity)
-        previous, step = applied, self._gate.torque_step_limit
-        if previous is not None and not _is_finite(previous):
-            hits.append(APPLIED_UNKNOWN)
-            previous = None
-        if previous is None:
-            previous, step = torque, self._no_step_limit  # nothing to measure the rate from
         gated = np.empty(torque.shape)
-        excess = clip_torque(torque, previous, self.torque_limit, step, gated)
+        finite, known, *left = self._gate.core.clip(torque, applied, gated)
+        excess = tuple(left)
+        if not (finite and known):
+            if not finite:
+                hits.append(NOT_FINITE)
+                torque = self._hold(applied, dynamics, velocity)
+            if not known:  # nothing to measure the rate from
+                hits.append(APPLIED_UNKNOWN)
+                applied = None
+            excess = self._gate.core.clip(torque, applied, gated)[2:]
         if max(excess) > COUNTED_EXCESS:
             kinds = zip((TORQUE_LIMIT, TORQUE_RATE, RATE_BROKEN), excess, strict=True)
             hits += [name for name, amount in kinds if amount > COUNTED_EXCESS]
@@ -83,7 +86,7 @@ class OutputGate:
         return Output(gated, tuple(hits))
 
     def _hold(self, applied: Array | None, dynamics: Dynamics, velocity: Array) -> Array:
-        """Braking torque; where even that is unknown, keep what was applied, else nothing."""
+        """Braking torque; if that is not finite, the applied torque, else zero."""
         with np.errstate(all="ignore"):
             torque = braking_torque(dynamics, velocity, self.torque_limit)
         if np.isfinite(torque).all():
@@ -91,11 +94,3 @@ class OutputGate:
         if applied is not None and np.isfinite(applied).all():
             return applied
         return np.zeros(self.torque_limit.shape)
-
-
-@numba.njit(cache=True)
-def _is_finite(values: Array) -> bool:
-    finite = True
-    for value in values:
-        finite = finite and math.isfinite(value)
-    return finite

@@ -1,4 +1,4 @@
-"""Modes of a controller: when it moves the robot, when it keeps it where it is, when it brakes."""
+"""Controller modes: when it moves the robot, holds it, or brakes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ARM = "controller/arm"
 class Mode(Enum):
     """What the controller does with the robot; the values of ghc_msgs/ControllerMode."""
 
-    WAITING = 0  # no state that can be answered has come: no command leaves
+    WAITING = 0  # no valid state received yet: no commands are sent
     HOLDING = 1  # the robot is kept where it is
     ACTIVE = 2  # references and hierarchy are followed
     LATCHED = 3  # a fault: braked until it is reset
@@ -22,20 +22,20 @@ class Arming(Enum):
     """What makes a controller active."""
 
     REQUEST = "request"  # the first transition or reference that it accepts, or the service
-    EXPLICIT = "explicit"  # the service alone; requests before are rejected
+    EXPLICIT = "explicit"  # only the service; earlier requests are rejected
     AUTOMATIC = "automatic"  # the first state: for simulations; faults are not latched
 
 
 class ModeLogic:
-    """Says which mode is in force, and why.
+    """State machine of the modes, with reasons.
 
     waiting -> holding (first state) -> active (armed) -> latched (fault) -> holding (reset).
-    With Arming.AUTOMATIC: waiting -> active. A run that cannot begin where the robot is leads back
-    to waiting, unless a fault is latched.
+    With Arming.AUTOMATIC: waiting -> active. A run that cannot begin at the robot's position
+    returns to waiting, unless a fault is latched.
     """
 
     def __init__(self, arming: Arming, changed: Callable[[], None]) -> None:
-        """Begin in WAITING; `changed` is told of every change after that."""
+        """Begin in WAITING; `changed` is called on every change after that."""
         self.arming = arming
         self._changed = changed
         self.mode, self.reason = Mode.WAITING, "no joint_states yet"
@@ -55,12 +55,12 @@ class ModeLogic:
             self._set(Mode.HOLDING, f"started where the robot is; {self._way_on}")
 
     def waits(self, reason: str) -> None:
-        """A run cannot begin with the robot as it is."""
+        """A run cannot begin in the current robot state."""
         if self.mode is not Mode.LATCHED and (self.mode, self.reason) != (Mode.WAITING, reason):
             self._set(Mode.WAITING, reason)
 
     def refusal(self) -> str:
-        """Why a request cannot be taken now; "" if it can."""
+        """Why requests are rejected now; "" if they are accepted."""
         if self.mode is Mode.LATCHED:
             return f"the controller is latched ({self.reason})"
         if self.mode is Mode.WAITING:
@@ -71,17 +71,17 @@ class ModeLogic:
 
     def requested(self) -> None:
         """A request was accepted."""
-        if self.mode is Mode.HOLDING and self.arming is Arming.REQUEST:
+        if self.mode is Mode.HOLDING and self.arming is not Arming.EXPLICIT:
             self._set(Mode.ACTIVE, "a request was accepted")
 
     def arm(self) -> str:
-        """Become active; why not, "" where it did."""
+        """Become active; returns why not, "" on success."""
         if self.mode is Mode.HOLDING:
             self._set(Mode.ACTIVE, f"armed by {ARM}")
         return "" if self.mode is Mode.ACTIVE else f"{self.mode.name}: {self.reason}"
 
     def hold(self) -> str:
-        """Keep the robot where it is; why not, "" where it does."""
+        """Hold the robot; returns why not, "" on success."""
         if self.mode is Mode.ACTIVE:
             self._set(Mode.HOLDING, f"asked to hold; {self._way_on}")
         return "" if self.mode is Mode.HOLDING else f"{self.mode.name}: {self.reason}"
@@ -92,7 +92,7 @@ class ModeLogic:
             self._set(Mode.LATCHED, f"{reason}; call {RESET} when its cause is gone")
 
     def reset_fault(self) -> str:
-        """Leave LATCHED for HOLDING; why not, "" where it did."""
+        """Change from LATCHED to HOLDING; returns why not, "" on success."""
         if self.mode is not Mode.LATCHED:
             return f"{self.mode.name}: there is no fault"
         self._set(Mode.HOLDING, f"fault reset; {self._way_on}")

@@ -1,4 +1,4 @@
-"""Whether a measured state can be true: of this robot, and after the state before it."""
+"""Plausibility of a measured state: for this robot, and after the previous state."""
 
 from __future__ import annotations
 
@@ -8,30 +8,35 @@ import numpy as np
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.limits import JointLimits
+from ghc_controller.safety.base_plausibility import base_jump, check_base, check_wrenches
 from ghc_controller.types import Array, RobotState
 
 POSITION_MARGIN = 0.5  # [rad] beyond a position limit that a moving joint may be
 START_MARGIN = 0.05  # [rad] the same where a controller starts
 VELOCITY_FACTOR = 10.0  # [-] of the velocity limit
 JUMP = 0.05  # [rad] between what a joint's velocity leads to and where it is
-LONGEST_STEP = 0.1  # [s] over which a velocity says where a joint will be
-CONFIRMATIONS = 3  # [-] states in a row that agree with each other make a jump believable
+LONGEST_STEP = 0.1  # [s] over which a velocity predicts the position of a joint
+CONFIRMATIONS = 3  # [-] consecutive consistent states that confirm a jump
 
 
 class ImplausibleStart(InvalidValue):
-    """A pose in which a controller does not start."""
+    """A pose in which the controller must not start."""
 
 
 class StatePlausibility:
-    """Checks states one after the other; a state that is refused leaves no trace.
+    """Checks consecutive states; a rejected state has no effect.
 
-    A jump of position that lasts is reported once (`jumped`), and then believed: whoever asks
-    decides whether that is a fault.
+    Pose and twist of a floating base are checked as positions and velocities of joints are. A
+    persistent jump of position is reported once (`jumped`) and then accepted: the caller decides
+    whether that is a fault.
     """
 
-    def __init__(self, joint_names: Sequence[str], limits: JointLimits) -> None:
-        """Limits (a,) of the joints [rad], [rad/s]."""
+    def __init__(
+        self, joint_names: Sequence[str], limits: JointLimits, weight: float = 0.0
+    ) -> None:
+        """Limits (a,) of the joints [rad], [rad/s]; weight of the robot [N]."""
         self._names = tuple(joint_names)
+        self._weight = weight
         self._lower, self._upper = limits.position_lower, limits.position_upper
         self._fastest = VELOCITY_FACTOR * limits.velocity
         self.reset()
@@ -41,7 +46,7 @@ class StatePlausibility:
         self._last: tuple[float, Array, Array] | None = None
         self._other: tuple[float, Array, Array] | None = None
         self._in_a_row = 0
-        self.jumped = ""  # what jumped with the state checked last, "" = nothing
+        self.jumped = ""  # what jumped in the last checked state, "" = nothing
 
     def resume(self) -> None:
         """States were missed: the next one may be anywhere inside the limits."""
@@ -49,12 +54,12 @@ class StatePlausibility:
             self._last = (-np.inf, *self._last[1:])
 
     def check(self, state: RobotState) -> None:
-        """Take a state, or say what is wrong with it.
+        """Accept a state, or raise an error.
 
         Raises:
             ImplausibleStart: the first state has a joint outside its limits.
-            InvalidValue: a joint further outside, faster, or elsewhere than it can be; names the
-                field, the joint, what was given and expected.
+            InvalidValue: a joint or the base further outside, faster, or elsewhere than it can
+                be, or a wrench too large; names the field, what was given and expected.
         """
         na = len(self._names)
         q, v = state.q[-na:], state.v[-na:]
@@ -68,7 +73,10 @@ class StatePlausibility:
                 f"joint_states.velocity: {v[j]:g} rad/s at '{self._names[j]}' given, at most "
                 f"{self._fastest[j]:g} rad/s ({VELOCITY_FACTOR:g} times its limit) expected"
             )
-        now = (state.time, q.copy(), v.copy())
+        if len(state.v) > na:
+            check_base(state.q[:7], state.v[:6])
+        check_wrenches(state.wrenches, self._weight)
+        now = (state.time, state.q.copy(), state.v.copy())
         jump = self._jump(self._last, now)
         if jump:
             agrees = self._other is not None and not self._jump(self._other, now)
@@ -95,14 +103,18 @@ class StatePlausibility:
         """What jumped between two states, "" = nothing."""
         if before is None or not np.isfinite(before[0]):
             return ""
-        step = min(abs(now[0] - before[0]), LONGEST_STEP)
-        fastest = np.maximum(np.abs(before[2]), np.abs(now[2]))
-        moved = np.abs(now[1] - before[1])
+        na, passed = len(self._names), now[0] - before[0]
+        step = min(abs(passed), LONGEST_STEP)
+        fastest = np.maximum(np.abs(before[2]), np.abs(now[2]))[-na:]
+        moved = np.abs(now[1] - before[1])[-na:]
         excess = moved - JUMP - 2.0 * fastest * step
-        if not (excess > 0.0).any():
+        if (excess > 0.0).any():
+            j = int(np.argmax(excess))
+            return (
+                f"joint_states.position: '{self._names[j]}' moved by {moved[j]:g} rad at "
+                f"{fastest[j]:g} rad/s within {passed:g} s"
+            )
+        if len(now[2]) == na:
             return ""
-        j = int(np.argmax(excess))
-        return (
-            f"joint_states.position: '{self._names[j]}' moved by {moved[j]:g} rad at "
-            f"{fastest[j]:g} rad/s within {now[0] - before[0]:g} s"
-        )
+        earlier, later = ((q[:7], v[:6]) for _, q, v in (before, now))
+        return base_jump(earlier, later, step, passed)

@@ -1,21 +1,21 @@
-"""Torque limits and torque rate limit: the one gate of controller and bridge."""
+"""Torque limits and torque rate limit: the gate used by controller and bridge."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
+from ghc_controller.core import Gate
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 
-DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s] where a robot's file gives none
+DEFAULT_TORQUE_RATE = 1000.0  # [Nm/s] default if a robot's file gives none
 COUNTED_EXCESS = 1e-6  # [Nm] a smaller excess is rounding of the QP: clipped, but not counted
 
 
 class GatedTorque(NamedTuple):
-    """A torque inside the limits, and which limits it had to be brought inside of."""
+    """A torque within the limits, and the limits that clipped it."""
 
     torque: Array  # (n,) [Nm] fresh array
     limit_hit: bool
@@ -25,7 +25,7 @@ class GatedTorque(NamedTuple):
 class TorqueGate:
     """Clips torques to `torque_limit` and their change per control period to rate * control_dt.
 
-    The rate is clipped first: where both cannot hold, the torque limit wins.
+    The rate is clipped first: if both cannot hold, the torque limit takes precedence.
     """
 
     def __init__(
@@ -51,33 +51,10 @@ class TorqueGate:
         self.torque_limit = torque_limit.copy()
         # (n,) [Nm] per control period
         self.torque_step_limit: Array = np.where(rate > 0.0, rate * control_dt, np.inf)
-        # The kernel is compiled for arrays like these; others, read-only ones too, are copied.
-        self._wanted, self._previous = np.zeros(torque_limit.shape), np.zeros(torque_limit.shape)
-        self(self._wanted, self._previous)  # loads the kernel before time runs
+        self.core = Gate(self.torque_limit, self.torque_step_limit)
 
     def __call__(self, torque: Array, previous: Array) -> GatedTorque:
         """Torque to apply (n,) [Nm] after `previous` (n,) [Nm] was applied in the last period."""
-        self._wanted[:] = torque
-        self._previous[:] = previous
-        gated = np.empty(self._wanted.shape)
-        over_limit, over_rate, _ = clip_torque(
-            self._wanted, self._previous, self.torque_limit, self.torque_step_limit, gated
-        )
+        gated = np.empty(self.torque_limit.shape)
+        _, _, over_limit, over_rate, _ = self.core.clip(torque, previous, gated)
         return GatedTorque(gated, over_limit > COUNTED_EXCESS, over_rate > COUNTED_EXCESS)
-
-
-@numba.njit(cache=True)
-def clip_torque(
-    torque: Array, previous: Array, limit: Array, step: Array, out: Array
-) -> tuple[float, float, float]:
-    """Clip to the rate, then to the limits; largest excess over limit, over rate, rate broken."""
-    over_limit, over_rate, broken = 0.0, 0.0, 0.0
-    for i in range(torque.shape[0]):
-        value = torque[i]
-        over_limit = max(over_limit, abs(value) - limit[i])
-        over_rate = max(over_rate, abs(value - previous[i]) - step[i])
-        value = min(max(value, previous[i] - step[i]), previous[i] + step[i])
-        value = min(max(value, -limit[i]), limit[i])
-        broken = max(broken, abs(value - previous[i]) - step[i])
-        out[i] = value
-    return over_limit, over_rate, broken

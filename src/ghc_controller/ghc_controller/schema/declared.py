@@ -13,9 +13,10 @@ From it `record.py` reads YAML files, mappings written in Python and ROS paramet
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, get_type_hints
+from weakref import WeakKeyDictionary
 
 from ghc_controller.errors import InvalidField
 from ghc_controller.schema.domains import Domain, Range
@@ -24,6 +25,7 @@ _KEY = "declared"
 _INLINE = "inline"
 _CHOSEN = "chosen"
 NO_FALLBACK = object()
+_HINTS: WeakKeyDictionary[type, Mapping[str, Any]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +106,7 @@ def chosen_by(name: str, find: Callable[[str], type | None]) -> Any:
 
 def entries(kind: type) -> tuple[Entry, ...]:
     """Declared fields of one dataclass, those of inline ones left out."""
-    hints = get_type_hints(kind)
+    hints = _hints(kind)
     found = []
     for item in fields(kind):
         if _KEY in item.metadata:
@@ -123,7 +125,7 @@ def entries(kind: type) -> tuple[Entry, ...]:
 
 def inlined(kind: type) -> dict[str, type]:
     """Field -> dataclass of the inline fields of a dataclass."""
-    hints = get_type_hints(kind)
+    hints = _hints(kind)
     return {item.name: hints[item.name] for item in fields(kind) if _INLINE in item.metadata}
 
 
@@ -167,6 +169,14 @@ def check(record: Any) -> None:
         problem = domain.problem(value)
         if problem:
             raise InvalidField(entry.name, problem)
+
+
+def _hints(kind: type) -> Mapping[str, Any]:
+    """Field -> type of a dataclass; evaluating annotations is most of the time of a reader."""
+    found = _HINTS.get(kind)
+    if found is None:
+        found = _HINTS[kind] = get_type_hints(kind)
+    return found
 
 
 def _is_many(value: Any, domain: Domain) -> bool:

@@ -1,4 +1,4 @@
-"""Which values a setting may take: one object says it to readers, to tables and to editors."""
+"""Domains of settings, shared by readers, documentation tables and editor schemas."""
 
 from __future__ import annotations
 

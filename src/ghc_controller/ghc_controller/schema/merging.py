@@ -1,4 +1,4 @@
-"""Changes merged into what a configuration file says."""
+"""Merges changes into the content of a configuration file."""
 
 from __future__ import annotations
 

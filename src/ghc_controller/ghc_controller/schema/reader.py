@@ -15,13 +15,18 @@ from ghc_controller.schema.domains import Range, names_problem
 from ghc_controller.schema.value_checks import is_number, shown, vector_problem
 
 _MISSING: Any = object()
+# The compiled one takes a tenth of the time; PyYAML may be built without it.
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+# What a tag or a number that is none raises: "2001-99-99", "!!bool x", "!!float ''".
+_INVALID = (yaml.YAMLError, ValueError, LookupError, AttributeError)
+_DEEPEST = 100  # [-] nested lists and mappings; the loader's stack would overflow with 20 000
 
 
 class Fields:
     """One mapping of a configuration file; each reader marks its field as known.
 
-    A reader without `default` makes the field required. A field without a value is refused, and
-    `done()` refuses what nobody read: neither a misspelt optional field nor an empty one is a
+    A reader without `default` makes the field required. A field without a value is rejected, and
+    `done()` rejects what nobody read: neither a misspelt optional field nor an empty one is a
     silent default.
     """
 
@@ -168,7 +173,7 @@ class Fields:
         return tuple(Fields(item, self._source, f"{path}[{k}]") for k, item in enumerate(value))
 
     def done(self) -> None:
-        """Refuse fields that no reader asked for."""
+        """Reject fields that no reader asked for."""
         unknown = [field for field in self._values if field not in self._known]
         if unknown:
             words = hint(Kind.FIELD, unknown[0])
@@ -199,11 +204,35 @@ def read_yaml(path: Path) -> Fields:
     Raises:
         ConfigurationError: the file cannot be read, is no YAML, or is no mapping.
     """
+    text = ""
     try:
-        values = yaml.safe_load(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        _check_depth(text)
+        values = yaml.load(text, Loader=_LOADER)
     except OSError as error:
         raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        problem = " ".join(str(error).split())
-        raise ConfigurationError(f"{path}: not valid YAML: {problem}") from error
+    except _INVALID as error:
+        raise ConfigurationError(f"{path}: not valid YAML: {_problem(error, text)}") from error
     return Fields(values, path)
+
+
+def _problem(error: Exception, text: str) -> str:
+    """An error of the loader in one line, with the line of the text that it is about."""
+    told, lines = " ".join(str(error).split()), text.splitlines()
+    mark = getattr(error, "problem_mark", None)
+    if mark is None or mark.line >= len(lines):
+        return told
+    return f"{told}: {shown(lines[mark.line].strip())}"
+
+
+def _check_depth(text: str) -> None:
+    """Raise YAMLError if lists and mappings are nested too deeply for the loader."""
+    depth = 0
+    for event in yaml.parse(text, Loader=_LOADER):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > _DEEPEST:
+                line = f", line {event.start_mark.line + 1}" if event.start_mark else ""
+                raise yaml.YAMLError(f"at most {_DEEPEST} nested levels expected{line}")
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1

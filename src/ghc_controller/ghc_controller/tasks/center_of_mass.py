@@ -8,20 +8,19 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ghc_controller.core import CenterMeasure
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import Distinct
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
+from ghc_controller.tasks.compiled import CompiledTask
 from ghc_controller.tasks.curvature import point_curvature
 from ghc_controller.tasks.force_control import WORLD_AXES
-from ghc_controller.tasks.frame_kernels import frame_rows
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task, TaskFields
-from ghc_controller.types import Array, TaskRows, TaskTarget
-
-_NO_TURN = np.eye(3)
+from ghc_controller.tasks.task import TaskFields
+from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +36,7 @@ class CenterOfMassFields(TaskFields):
 
 
 @register_task("center_of_mass")
-class CenterOfMassTask(Task):
+class CenterOfMassTask(CompiledTask):
     """xi = chosen world coordinates of the center of mass [m].
 
     Fields: stiffness, damping, axes (default [x, y, z]), reference (optional position).
@@ -61,8 +60,9 @@ class CenterOfMassTask(Task):
         """
         if not model.mass > 0.0:
             raise InvalidValue(f"task '{name}': the robot has no mass, thus no center of mass")
-        super().__init__(name, axes, stiffness, damping, reference)
-        self._axes = np.array([WORLD_AXES.index(axis) for axis in axes])
+        rows = [WORLD_AXES.index(axis) for axis in axes]
+        super().__init__(name, axes, stiffness, damping, CenterMeasure(rows), reference)
+        self._axes = np.array(rows)
 
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> CenterOfMassTask:
@@ -70,20 +70,6 @@ class CenterOfMassTask(Task):
         given = read(fields, cls.entry, rows=lambda v: len(v["axes"]))
         gains = given.stiffness, given.damping
         return cls(given.name, model, *gains, given.axes, given.reference)
-
-    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
-        """Rows on the velocity of the center of mass."""
-        frame_rows(
-            self._axes,
-            model.center_of_mass(),
-            _NO_TURN,
-            model.center_of_mass_jacobian(),
-            model.center_of_mass_drift(),
-            reference.position,
-            out.error,
-            out.jacobian,
-            out.drift,
-        )
 
     def curvature(self, model: RobotModel, weights: Array) -> Array:
         """Second-order term of the coordinates of the center of mass: see Task."""

@@ -12,8 +12,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.types import Array
@@ -27,13 +25,10 @@ def point_curvature(model: RobotModel, angular: Array, linear: Array, weights: A
     Args:
         angular, linear: (3, n) columns z and J. weights: (3,) along world axes.
     """
-    return _contracted(
-        np.ascontiguousarray(angular),
-        np.ascontiguousarray(linear),
-        model.joint_of,
-        model.carries,
-        np.ascontiguousarray(weights),
-    )
+    # weights . (z_a x J_b) = (weights x z_a) . J_b, a nearer to the base than b
+    terms = np.where(model.carries, np.cross(weights, angular.T) @ linear, 0.0)
+    both = np.where(model.joint_of[:, None] == model.joint_of, 0.5 * terms, terms)
+    return np.asarray(both + both.T)
 
 
 def rotation_curvature(model: RobotModel, angular: Array, weights: Array) -> Array:
@@ -57,36 +52,3 @@ def rotation_error_term(angular: Array, error: Array) -> Array:
         c = (1.0 - 0.5 * angle / math.tan(0.5 * angle)) / angle**2
     along = error @ angular
     return np.asarray(c * (np.outer(along, along) - angle**2 * (angular.T @ angular)))
-
-
-@njit(cache=True)
-def _contracted(
-    angular: Array,
-    linear: Array,
-    joint_of: NDArray[np.int64],
-    carries: NDArray[np.bool_],
-    weights: Array,
-) -> Array:  # pragma: no cover
-    n = linear.shape[1]
-    term = np.zeros((n, n))
-    for a in range(n):
-        x, y, z = angular[0, a], angular[1, a], angular[2, a]
-        # weights . (z_a x J_b) = (weights x z_a) . J_b
-        u = weights[1] * z - weights[2] * y
-        v = weights[2] * x - weights[0] * z
-        w = weights[0] * y - weights[1] * x
-        if u == 0.0 and v == 0.0 and w == 0.0:
-            continue
-        for b in range(n):
-            if not carries[a, b]:
-                continue
-            value = u * linear[0, b] + v * linear[1, b] + w * linear[2, b]
-            if a == b:
-                term[a, a] += value
-            elif joint_of[a] == joint_of[b]:
-                term[a, b] += 0.5 * value
-                term[b, a] += 0.5 * value
-            else:
-                term[a, b] += value
-                term[b, a] += value
-    return term

@@ -6,10 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numba
 import numpy as np
-from numpy.typing import NDArray
 
+from ghc_controller.core import native
 from ghc_controller.errors import InvalidField, InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.declared import check, declared
@@ -129,8 +128,11 @@ class ForceControl:
         self.rise_time = settings.rise_time
         self.force_rows = np.array([axis in settings.axes for axis in axes])
         self._force_axes = self._axes[self.force_rows]
-        self._gains = np.array(
-            [settings.proportional, settings.integral, settings.damping, settings.threshold]
+        self._gains = (
+            settings.proportional,
+            settings.integral,
+            settings.damping,
+            settings.threshold,
         )
 
     @classmethod
@@ -144,7 +146,7 @@ class ForceControl:
 
     def normal_force(self, wrench: Array) -> float:
         """Size of the force along the force axes [N]; wrench (6,)."""
-        return _norm_along(self._force_axes, wrench)
+        return math.sqrt(sum(float(wrench[axis]) ** 2 for axis in self._force_axes))
 
     def ends(self, force: float, elapsed: float) -> bool:
         """Whether contact is lost at `force` [N], `elapsed` [s] after it began."""
@@ -173,8 +175,7 @@ class ForceControl:
             wrench: (6,) measured. step: [s] by which `integral` (m,) [N s] is advanced.
             rows: just measured; force rows get the error f_ref - f_meas [N].
         """
-        wanted = np.zeros(self._axes.shape)
-        _force_rows(
+        wanted = native.follow_force(
             self.force_rows,
             self._axes,
             step,
@@ -183,7 +184,6 @@ class ForceControl:
             wrench,
             self._gains,
             integral,
-            wanted,
             rows.error,
             rows.velocity,
             rows.acceleration,
@@ -199,7 +199,6 @@ class ForceMemory(TaskMemory):
 
     def __init__(self, control: ForceControl) -> None:
         self._control = control
-        self._wrench = np.zeros(6)  # measured, in an array of our own: one compiled signature
         self.reset()
 
     def reset(self) -> None:
@@ -217,15 +216,12 @@ class ForceMemory(TaskMemory):
         if reference.wrench is None or wrench is None:
             self._leave()
             return 0
-        self._wrench[:] = wrench
-        if not self._in_contact(control.normal_force(self._wrench), state.time):
+        if not self._in_contact(control.normal_force(wrench), state.time):
             self._leave()
             return 0
         step = self._step(state.time)
         share = control.share(state.time - self._begin)
-        return control.exert(
-            model, share, step, reference.wrench, self._wrench, self._integral, rows
-        )
+        return control.exert(model, share, step, reference.wrench, wrench, self._integral, rows)
 
     def _leave(self) -> None:
         if self._active:
@@ -243,46 +239,3 @@ class ForceMemory(TaskMemory):
             self._begin = time
         self._active, self._time = True, time
         return step
-
-
-@numba.njit(cache=True)
-def _norm_along(force_axes: NDArray[np.int64], wrench: Array) -> float:
-    total = 0.0
-    for axis in force_axes:
-        total += wrench[axis] ** 2
-    return math.sqrt(total)
-
-
-@numba.njit(cache=True)
-def _force_rows(
-    force_rows: NDArray[np.bool_],
-    axes: NDArray[np.int64],
-    step: float,
-    share: float,
-    reference: Array,
-    wrench: Array,
-    gains: Array,
-    integral: Array,
-    wrench_out: Array,
-    error_out: Array,
-    velocity_out: Array,
-    acceleration_out: Array,
-    stiffness_out: Array,
-    damping_out: Array,
-) -> None:
-    """Write w_d, and on the force rows the force error and gains and reference of a row at rest.
-
-    gains: proportional, integral, damping, threshold; integral (m,) [N s] is advanced by `step`;
-    share: of the reference that is commanded by now.
-    """
-    for i in range(axes.shape[0]):
-        if force_rows[i]:
-            error_out[i] = reference[i] + wrench[axes[i]]
-            velocity_out[i] = acceleration_out[i] = stiffness_out[i] = 0.0
-            damping_out[i] = gains[2]
-            error = share * reference[i] + wrench[axes[i]]
-            wrench_out[i] = share * reference[i] + share * gains[0] * error
-            if gains[1] > 0.0:
-                largest = max(abs(reference[i]), gains[3]) / gains[1]
-                integral[i] = min(max(integral[i] + share * step * error, -largest), largest)
-                wrench_out[i] += gains[1] * integral[i]

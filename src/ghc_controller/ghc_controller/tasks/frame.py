@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ghc_controller.model.frames import FrameTerms
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.numerics.rotation import quaternion_from_matrix
 from ghc_controller.references.follower import ReferenceSpace
@@ -17,53 +16,19 @@ from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import Distinct
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
-from ghc_controller.tasks.curvature import (
-    point_curvature,
-    rotation_curvature,
-    rotation_error_term,
-)
+from ghc_controller.tasks.compiled import CompiledTask
+from ghc_controller.tasks.curvature import rotation_error_term
 from ghc_controller.tasks.force_control import WORLD_AXES, ForceControl, ForceFields
-from ghc_controller.tasks.frame_kernels import frame_rows
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task, TaskFields
-from ghc_controller.types import Array, TaskRows, TaskTarget
+from ghc_controller.tasks.sight import FromWorld, Sight
+from ghc_controller.tasks.task import TaskFields
+from ghc_controller.types import Array
 
 TURNS = ("rx", "ry", "rz")
 POSE_ROWS = (*WORLD_AXES, *TURNS)
 
 
-class Sight(Protocol):
-    """A frame as seen from somewhere: from the world, or from another frame."""
-
-    def terms(self, model: RobotModel) -> FrameTerms:
-        """Pose, Jacobian and drift at the last `model.update`, in the axes it is seen in."""
-
-    def curvature(self, model: RobotModel, weights: Array) -> Array:
-        """sum_r weights_r grad^2 of the six coordinates, (n, n); weights (6,)."""
-
-
-class FromWorld:
-    """A frame as seen from the world, in world axes."""
-
-    def __init__(self, frame_id: int) -> None:
-        self._frame_id = frame_id
-
-    def terms(self, model: RobotModel) -> FrameTerms:
-        """See Sight."""
-        return model.frame(self._frame_id)
-
-    def curvature(self, model: RobotModel, weights: Array) -> Array:
-        """See Sight."""
-        jacobian = model.frame_jacobian(self._frame_id)
-        term = np.zeros((model.nv, model.nv))
-        if weights[:3].any():
-            term += point_curvature(model, jacobian[3:], jacobian[:3], weights[:3])
-        if weights[3:].any():
-            term += rotation_curvature(model, jacobian[3:], weights[3:])
-        return term
-
-
-class FrameTask(Task):
+class FrameTask(CompiledTask):
     """Chosen coordinates of a frame: of its origin [m], then all three of its rotation R [rad].
 
     The error of a rotation is e = log(R* R^T): the rotation vector that turns the frame onto its
@@ -87,27 +52,13 @@ class FrameTask(Task):
         reference: ArrayLike | None = None,
     ) -> None:
         """See Task for the gains; `labels` are some of x, y, z, then rx, ry, rz or none."""
-        super().__init__(name, labels, stiffness, damping, reference)
+        rows = [POSE_ROWS.index(label) for label in labels]
+        super().__init__(name, labels, stiffness, damping, sight.measure(rows), reference)
         self.frame = frame
         self._sight = sight
-        self._rows = np.array([POSE_ROWS.index(label) for label in labels])
+        self._rows = np.array(rows)
         self._places = self._rows[self._rows < len(WORLD_AXES)]  # rows of the position
         self._turns = len(self._places) < len(self._rows)
-
-    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
-        """Rows of the Jacobian of the frame, in the axes it is seen in."""
-        frame = self._sight.terms(model)
-        frame_rows(
-            self._rows,
-            frame.position,
-            frame.rotation,
-            frame.jacobian,
-            frame.drift,
-            reference.position,
-            out.error,
-            out.jacobian,
-            out.drift,
-        )
 
     def current(self, model: RobotModel) -> Array:
         """Chosen coordinates of the origin [m], then a quaternion x, y, z, w if it turns."""
@@ -125,10 +76,13 @@ class FrameTask(Task):
 
     def error_curvature(self, model: RobotModel, error: Array) -> Array:
         """See Task; with the part by which log(R* R^T) is no linear function of the rotation."""
-        term = -self.curvature(model, error)
-        if self._turns:
-            term += rotation_error_term(self._sight.terms(model).jacobian[3:], error[-3:])
-        return term
+        return self._rotation_term(model, error) - self.curvature(model, error)
+
+    def _rotation_term(self, model: RobotModel, error: Array) -> Array:
+        """(n, n) second-order term of log(R* R^T); zeros without a rotation."""
+        if not self._turns:
+            return np.zeros((model.nv, model.nv))
+        return rotation_error_term(self._sight.terms(model).jacobian[3:], error[-3:])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,10 +150,10 @@ class FrameOrientationFields(TaskFields):
     )
 
 
-class _WholeFrameTask(FrameTask):
+class WholeFrameTask(FrameTask):
     """All three rows of a rotation, with those of the position or without."""
 
-    entry: ClassVar[type[FrameOrientationFields | FramePoseFields]]
+    entry: ClassVar[type[Any]]  # with `frame` and `reference`
     selection: ClassVar[tuple[str, ...]]
 
     def __init__(
@@ -220,7 +174,7 @@ class _WholeFrameTask(FrameTask):
         super().__init__(name, frame, sight, self.selection, stiffness, damping, reference)
 
     @classmethod
-    def from_config(cls, fields: Fields, model: RobotModel) -> _WholeFrameTask:
+    def from_config(cls, fields: Fields, model: RobotModel) -> WholeFrameTask:
         """Build from one entry of `tasks` in robot.yaml."""
         names = {"frame": model.frame_names}
         given = read(fields, cls.entry, names=names, rows=lambda _: len(cls.selection))
@@ -229,7 +183,7 @@ class _WholeFrameTask(FrameTask):
 
 
 @register_task("frame_orientation")
-class FrameOrientationTask(_WholeFrameTask):
+class FrameOrientationTask(WholeFrameTask):
     """Rotation of a frame; references are unit quaternions x, y, z, w (frame to world)."""
 
     entry = FrameOrientationFields
@@ -249,7 +203,7 @@ class FramePoseFields(TaskFields):
 
 
 @register_task("frame_pose")
-class FramePoseTask(_WholeFrameTask):
+class FramePoseTask(WholeFrameTask):
     """Six rows: position [m], then orientation [rad] of a frame, in world axes.
 
     References are x, y, z, qx, qy, qz, qw; velocity and acceleration are linear, then angular.

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numba
-
+from ghc_controller.core import track
 from ghc_controller.types import Array, TaskRows
 
 # (measured rows of all tasks, v (n,), simulated time [s]) -> writes rows.target
@@ -19,16 +18,4 @@ Law = Callable[[TaskRows, Array, float], None]
 
 def tracking(rows: TaskRows, velocity: Array, time: float) -> None:  # noqa: ARG001
     """xi''_d = xi''* + kp e + kd (xi'* - J v) (section 6 of ghc_2015); target = xi''_d - J' v."""
-    _tracking(rows.vectors, rows.jacobian, velocity)
-
-
-@numba.njit(cache=True)
-def _tracking(vectors: Array, jacobian: Array, velocity: Array) -> None:
-    error, drift, speed, acceleration = vectors[0], vectors[1], vectors[2], vectors[3]
-    stiffness, damping, target = vectors[4], vectors[5], vectors[6]
-    for i in range(error.shape[0]):
-        rate = 0.0
-        for j in range(velocity.shape[0]):
-            rate += jacobian[i, j] * velocity[j]
-        wanted = acceleration[i] + stiffness[i] * error[i] + damping[i] * (speed[i] - rate)
-        target[i] = wanted - drift[i]
+    track(rows.jacobian, velocity, rows.vectors)

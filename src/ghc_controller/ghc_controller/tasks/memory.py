@@ -1,4 +1,4 @@
-"""What a task accumulates over time, held by whoever follows it."""
+"""State that a task accumulates over time, owned by the user of the task."""
 
 from __future__ import annotations
 

@@ -6,18 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numba
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ghc_controller.core import JointMeasure
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
+from ghc_controller.tasks.compiled import CompiledTask
 from ghc_controller.tasks.registry import register_task
-from ghc_controller.tasks.task import Task, TaskFields
-from ghc_controller.types import Array, TaskRows, TaskTarget
+from ghc_controller.tasks.task import TaskFields
+from ghc_controller.types import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +39,7 @@ class PostureFields(TaskFields):
 
 
 @register_task("posture")
-class PostureTask(Task):
+class PostureTask(CompiledTask):
     """xi = positions of the named joints [rad]; `labels` are the joints, in the given order.
 
     Fields: stiffness, damping, reference (optional mapping joint -> position; its joints are the
@@ -64,10 +65,9 @@ class PostureTask(Task):
             UnknownName: a joint that does not exist; lists those that do.
         """
         joints = model.joint_names if joints is None else tuple(joints)
-        super().__init__(name, joints, stiffness, damping, reference)
-        indices = np.array([model.joint_index(joint) for joint in joints])
-        self._q_indices = indices + (model.nq - model.na)
-        self._v_indices = indices + (model.nv - model.na)
+        indices = [model.joint_index(joint) for joint in joints]
+        super().__init__(name, joints, stiffness, damping, JointMeasure(indices), reference)
+        self._q_indices = np.array(indices) + (model.nq - model.na)
 
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> PostureTask:
@@ -102,18 +102,6 @@ class PostureTask(Task):
         if position is not None:
             _check_range(fields, model, joints, position)
         return cls(given.name, model, given.stiffness, given.damping, joints, position)
-
-    def measure(self, model: RobotModel, reference: TaskTarget, out: TaskRows) -> None:
-        """Selection matrix, without drift."""
-        _joint_rows(
-            model.q,
-            self._q_indices,
-            self._v_indices,
-            reference.position,
-            out.error,
-            out.jacobian,
-            out.drift,
-        )
 
     def curvature(self, model: RobotModel, weights: Array) -> Array:
         """Zero: joint positions are linear in themselves."""
@@ -150,20 +138,3 @@ def _check_range(
                 f"{value:g} for joint '{joint}' is beyond its limits, {lower:g} to {upper:g}; "
                 "radians (or meters) expected",
             )
-
-
-@numba.njit(cache=True)
-def _joint_rows(
-    q: Array,
-    q_indices: NDArray[np.int64],
-    v_indices: NDArray[np.int64],
-    reference: Array,
-    error_out: Array,
-    jacobian_out: Array,
-    drift_out: Array,
-) -> None:
-    jacobian_out[:] = 0.0
-    for i in range(q_indices.shape[0]):
-        error_out[i] = reference[i] - q[q_indices[i]]
-        jacobian_out[i, v_indices[i]] = 1.0
-        drift_out[i] = 0.0

@@ -15,11 +15,6 @@ TASKS: Registry[type[Task]] = Registry(
 register_task = TASKS.register
 
 
-def task_kinds() -> tuple[str, ...]:
-    """Every kind, sorted; those of other packages included."""
-    return tuple(TASKS)
-
-
 def task_entries() -> dict[str, type[TaskFields]]:
     """Kind -> declared fields of its entry, sorted; built-in kinds alone, as schemas have them."""
     return {kind: TASKS[kind].entry for kind in sorted(TASKS.built_in)}

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ghc_controller.core import FrameMeasure, SeenFrame
 from ghc_controller.errors import InvalidValue
 from ghc_controller.model.frames import FrameTerms
 from ghc_controller.model.robot_model import RobotModel
@@ -19,7 +21,6 @@ from ghc_controller.schema.record import read
 from ghc_controller.tasks.curvature import point_curvature, rotation_curvature
 from ghc_controller.tasks.force_control import WORLD_AXES
 from ghc_controller.tasks.frame import POSE_ROWS, TURNS, FrameTask
-from ghc_controller.tasks.frame_kernels import relative_terms
 from ghc_controller.tasks.registry import register_task
 from ghc_controller.tasks.task import TaskFields
 from ghc_controller.types import Array
@@ -40,29 +41,17 @@ class FromFrame:
             UnknownName: no such frame; lists those that exist.
         """
         self._frame_id, self._base_id = model.frame_id(frame), model.frame_id(base)
-        pose, motion = np.zeros((4, 3)), np.zeros((2, 6))
-        self._pose, self._motion = pose, motion
-        self._terms = FrameTerms(pose[3], pose[:3], np.zeros((6, model.nv)), *motion)
+        self._seen = SeenFrame(model.nv)
+        self._terms = FrameTerms.of(self._seen.arrays())
+
+    def measure(self, rows: Sequence[int]) -> FrameMeasure:
+        """See Sight."""
+        return FrameMeasure(list(rows), self._frame_id, self._base_id)
 
     def terms(self, model: RobotModel) -> FrameTerms:
         """See Sight; arrays that the next call overwrites."""
-        a, b, seen = model.frame(self._base_id), model.frame(self._frame_id), self._terms
-        relative_terms(
-            a.position,
-            a.rotation,
-            a.jacobian,
-            a.velocity,
-            a.drift,
-            b.position,
-            b.rotation,
-            b.jacobian,
-            b.velocity,
-            b.drift,
-            self._pose,
-            seen.jacobian,
-            self._motion,
-        )
-        return seen
+        self._seen.update(model.core, self._base_id, self._frame_id)
+        return self._terms
 
     def curvature(self, model: RobotModel, weights: Array) -> Array:
         """See Sight.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -118,6 +119,10 @@ class Task(Follower):
         self.measure(model, reference, rows)
         return rows
 
+    def as_reference(self, model: RobotModel, values: Array) -> Array:  # noqa: ARG002
+        """Rates or accelerations of the rows (m,) in the axes of a reference's, (m,)."""
+        return values
+
     def curvature(self, model: RobotModel, weights: Array) -> Array:
         """Second-order term sum_r weights_r grad^2 xi_r at the last `model.update`, (n, n).
 
@@ -135,6 +140,12 @@ class Task(Follower):
     def error_curvature(self, model: RobotModel, error: Array) -> Array:
         """S (n, n) with grad^2 (1/2 |e|^2) = J^T J + S; `error` (m,) as in TaskRows."""
         return -self.curvature(model, error)
+
+    def copy(self) -> Self:
+        """The same task with gains of its own; what it accumulates is in its memory."""
+        copied = copy(self)
+        copied.stiffness, copied.damping = self.stiffness.copy(), self.damping.copy()
+        return copied
 
     def make_memory(self) -> TaskMemory | None:
         """Empty memory for whoever follows this task over time; None where there is none."""

@@ -1,4 +1,4 @@
-"""Generator of contact force bounds: schedules in, a preview of moving bounds out, per tick."""
+"""Generator of contact force bounds: continuous bounds from schedules at each tick."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class ForceBoundSettings:
 class ContactForceBounds(PlannedBounds):
     """Both bounds of every contact over a receding horizon (eq. 5.6 to 5.8).
 
-    As in BoundsGenerator; and no bound of a contact that is on tightens to zero.
+    As BoundsGenerator, but no bound of an active contact tightens to zero.
     """
 
     kind = CONTACT_FORCES
@@ -57,10 +57,10 @@ class ContactForceBounds(PlannedBounds):
     )
 
     def __init__(self, settings: ForceBoundSettings) -> None:
-        """Make the constant matrices and compile.
+        """Compute the constant matrices.
 
         Raises:
-            InvalidValue: a horizon that is no multiple of the step.
+            InvalidValue: the horizon is not a multiple of the step.
         """
         super().__init__(settings, settings.weights)
 
@@ -69,7 +69,7 @@ class ContactForceBounds(PlannedBounds):
         return schedule.at(time)[1] > 0.0
 
     def floor(self, raw: RawBounds) -> tuple[float, float]:
-        """The tightest bounds ahead; a contact that is on is not taken to zero."""
+        """The tightest upcoming bounds; an upper bound of an active contact is not set to zero."""
         ahead = raw.upper[raw.upper > 0.0]
         return float(raw.lower.max()), float(ahead.min()) if len(ahead) else 0.0
 

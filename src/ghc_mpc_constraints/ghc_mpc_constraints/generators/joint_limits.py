@@ -1,9 +1,9 @@
-"""Generator of joint position limits: schedules of where joints may be in, moving limits out.
+"""Generator of joint position limits: continuous limits from schedules at each tick.
 
-A limit that steps throws a joint back that stands in its way. Each limit moves instead as a chain
-of three integrators under a weight on its jerk (thesis, eq. 4.11 to 4.16): the joint can follow it
-with an acceleration that does not jump. It reaches the raw limit before that holds, and leaves it
-after.
+A limit that steps past a joint position causes a jump of its acceleration. Instead, each limit
+moves as a triple integrator with a weight on its jerk (thesis, eq. 4.11 to 4.16), and the joint
+follows it with continuous acceleration. It reaches a tighter raw limit before that applies, and
+leaves it afterwards.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.previews.motion import integrate, state_at
+from ghc_controller.core import native
 from ghc_controller.previews.preview import JOINT_LIMITS
 from ghc_controller.schema.declared import check, declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE
@@ -25,9 +25,9 @@ from ghc_mpc_constraints.previews.motion_weights import POWER, dynamic_weights
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 from ghc_mpc_constraints.schedules.raw_bounds import RawBounds
 
-_SAME_PLACE = 1e-6  # [rad] what a solve may miss a raw limit by
-# Columns of a state (3, 3) with rows position, velocity, acceleration: the upper limit, and the
-# lower one with its sign changed, so that both must not be above their raw limit.
+_SAME_PLACE = 1e-6  # [rad] tolerance of a solve at a raw limit
+# Columns of a state (3, 3) with rows position, velocity, acceleration: the upper limit and the
+# negated lower limit, so that both are bounded above by their raw limit.
 _UPPER, _LOWER = 0, 1
 
 
@@ -82,18 +82,14 @@ class JointLimits(BoundsGenerator):
     )
 
     def __init__(self, settings: JointLimitSettings) -> None:
-        """Make the constant matrices and compile.
+        """Compute the constant matrices.
 
         Raises:
-            InvalidValue: a horizon that is no multiple of the step.
+            InvalidValue: the horizon is not a multiple of the step.
         """
         super().__init__(settings)
         self._qp = MotionQp(self.horizon, settings.jerk_weight)
         self._motions: dict[str, _Motion] = {}
-        ramp = np.linspace(1.0, 0.0, self.horizon.steps)
-        self._qp.solve(np.ones(3), ramp, np.ones_like(ramp), ramp)
-        integrate(np.zeros((3, 3)), np.zeros((2, 3)), settings.step)
-        state_at(np.zeros((3, 3)), np.zeros((2, 3)), settings.step, 0.0)
 
     @property
     def second_opinions(self) -> int:
@@ -101,14 +97,14 @@ class JointLimits(BoundsGenerator):
         return self._qp.second.asked
 
     def reset(self) -> None:
-        """Forget schedules, previews, motions and limits in force: time starts again."""
+        """Discard schedules, previews, motions and current limits: time restarts."""
         super().reset()
         self._motions.clear()
 
     def smooth(
         self, name: str, time: float, first: tuple[float, float], raw: RawBounds
     ) -> tuple[Array, Array] | None:
-        """Limits (N,), (N,) [rad] of least jerk; None where they would cross."""
+        """Limits (N,), (N,) [rad] with minimum jerk; None if they would cross."""
         state = self._state(name, time, first)
         jerk = np.zeros((self.horizon.steps, 3))
         for column, limit in ((_UPPER, raw.upper[1:]), (_LOWER, -raw.lower[1:])):
@@ -119,7 +115,7 @@ class JointLimits(BoundsGenerator):
                 self._motions.pop(name, None)
                 return None
             jerk[:, column] = answer
-        places = integrate(state, jerk, self.horizon.step)[1:, 0]
+        places = native.integrate(state, jerk, self.horizon.step)[1:, 0]
         upper = np.minimum(places[:, _UPPER], raw.upper[1:])
         lower = np.maximum(-places[:, _LOWER], raw.lower[1:])
         if (lower > upper).any():
@@ -129,12 +125,12 @@ class JointLimits(BoundsGenerator):
         return lower, upper
 
     def _state(self, name: str, time: float, first: tuple[float, float]) -> Array:
-        """Where the motion before has come to; at rest on the bounds in force without one."""
+        """State of the previous motion; without one, at rest on the current bounds."""
         state = np.zeros((3, 3))
         before = self._motions.get(name)
         if before is not None:
             elapsed = max(time - before.start, 0.0)
-            state = state_at(before.state, before.jerk, self.horizon.step, elapsed)
+            state = native.state_at(before.state, before.jerk, self.horizon.step, elapsed)
         for column, place in ((_UPPER, first[1]), (_LOWER, -first[0])):
             if before is None or abs(state[0, column] - place) > _SAME_PLACE:
                 state[:, column] = (place, 0.0, 0.0)

@@ -1,8 +1,8 @@
-"""Generator of torque limits: schedules of what motors may give in, moving limits out.
+"""Generator of torque limits: continuous limits from schedules at each tick.
 
-A limit that steps, as when a motor is derated, would step the torque of a joint that is at it.
-Each limit is smoothed like the bounds of a contact force (thesis, eq. 5.6 to 5.8): a chain of one
-integrator with a weight on its rate, so the torque of the joint changes at that rate.
+A step of a limit, such as the derating of a motor, would cause a torque step of a joint at its
+limit. Each limit is smoothed like contact force bounds (thesis, eq. 5.6 to 5.8): one integrator
+with a weight on its rate, so that the torque changes at this rate.
 """
 
 from __future__ import annotations
@@ -58,9 +58,9 @@ class TorqueLimits(PlannedBounds):
     )
 
     def __init__(self, settings: TorqueLimitSettings) -> None:
-        """Make the constant matrices and compile.
+        """Compute the constant matrices.
 
         Raises:
-            InvalidValue: a horizon that is no multiple of the step.
+            InvalidValue: the horizon is not a multiple of the step.
         """
         super().__init__(settings, ForceBoundWeights(settings.rate_weight, settings.rate_weight))

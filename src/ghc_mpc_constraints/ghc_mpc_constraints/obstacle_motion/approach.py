@@ -1,4 +1,5 @@
-"""When a measured position of an obstacle counts: approaching ones late, leaving ones at once."""
+"""When a measured obstacle position takes effect: approaching ones after a reaction time, receding
+ones at once."""
 
 from __future__ import annotations
 
@@ -10,15 +11,15 @@ from ghc_controller.schema.declared import check, declared
 from ghc_controller.schema.domains import POSITIVE
 from ghc_controller.types import Array
 
-SAME_PLACE = 1e-9  # [m] closer or farther than this is neither
+SAME_PLACE = 1e-9  # [m] smaller changes of the distance are ignored
 
 
 @dataclass(frozen=True, slots=True)
 class ReactionTime:
-    """Time that the robot is given to make room, t_r >= d_v / v_max (eq. 4.4)."""
+    """Time for the robot to move away, t_r >= d_v / v_max (eq. 4.4)."""
 
     max_velocity: float = declared(
-        "v_max of eq. 4.4: how fast the robot can make room", 0.1, unit="m/s", domain=POSITIVE
+        "v_max of eq. 4.4: how fast the robot can move away", 0.1, unit="m/s", domain=POSITIVE
     )
     shortest: float = declared(
         "at least, for however small an approach; eq. 4.4 is for larger ones",
@@ -38,38 +39,38 @@ class ReactionTime:
 
 
 class ApproachQueue:
-    """Reference positions with the times from which each is in force, closer and closer.
+    """Queue of reference positions with their activation times, in order of approach.
 
-    A position that is closer than the ones before is in force a reaction time later: the
-    obstacle is taken to stand still meanwhile (assumption 2 of section 4.4.1). One that is
-    farther is in force at once, but takes no deadline away from what is closer than it: it is
-    due when the first position closer than itself would have been.
+    A position closer than the previous ones becomes active after the reaction time, during which
+    the obstacle is assumed to be at rest (assumption 2 of section 4.4.1). A farther one is active
+    at once, but keeps the deadlines of closer positions: its deadline is that of the first
+    position closer than itself.
     """
 
     def __init__(self, point: Array, now: float) -> None:
-        """Begin with a position (3,) in force."""
+        """Start with an active position (3,)."""
         self._times = [now]
         self._points = [point]
 
     @property
     def newest(self) -> Array:
-        """The position (3,) that is in force last."""
+        """The last position (3,) of the queue."""
         return self._points[-1]
 
     def move(self, point: Array, normal: Array, now: float, reaction: ReactionTime) -> None:
-        """Take a new position; `normal` (3,) points from the obstacle to what it threatens."""
+        """Add a new position; `normal` (3,) points from the obstacle to the protected frame."""
         self._forget_past(now)
         distance = -np.array(self._points) @ normal
         given = -float(point @ normal)
         if distance[0] <= given + SAME_PLACE:
             self._times, self._points = [now], [point]
             return
-        kept = int(np.count_nonzero(distance > given + SAME_PLACE))  # they come first
+        kept = int(np.count_nonzero(distance > given + SAME_PLACE))  # these come first
         if kept < len(self._times):
             due = self._times[kept]
         elif kept == 1:
             due = now + reaction.of(distance[0] - given)
-        else:  # the time after the deadline before is for the rest of the way
+        else:  # the time after the previous deadline is for the remaining distance
             due = self._times[-1] + (distance[-1] - given) / reaction.max_velocity
             due = max(due, now + reaction.shortest)
         self._times = [*self._times[:kept], due]

@@ -1,21 +1,21 @@
-"""What a sensor says of one obstacle, checked."""
+"""Checked measurements of obstacles."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ghc_controller.errors import InvalidValue, WrongSize
+from ghc_controller.errors import GhcError, InvalidValue, WrongSize
 from ghc_controller.types import UNIT_TOLERANCE, Array
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """One obstacle and the frame that it threatens, at one instant; made by `checked`."""
+    """One obstacle and the protected frame at one instant; constructed by `checked`."""
 
     id: str
     frame: str
@@ -27,7 +27,7 @@ class Measurement:
     @classmethod
     def checked(
         cls,
-        id: str,  # noqa: A002 - the word that the messages use
+        id: str,  # noqa: A002 - name of the message field
         frame: str,
         position: Sequence[float],
         normal: Sequence[float],
@@ -74,7 +74,7 @@ class Measurement:
         )
 
     def away(self, margin: float) -> Array:
-        """Position (3,) on the normal at which the safe distance and a margin [m] are kept."""
+        """Position (3,) on the normal at the safe distance plus a margin [m]."""
         room = self.safe_distance + margin - self.distance
         return self.position - room * self.normal
 
@@ -89,6 +89,27 @@ class Measurement:
             self.distance - by,
             self.safe_distance,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Measurements:
+    """All obstacles measured at one instant."""
+
+    seen: tuple[Measurement, ...]
+    doubtful: tuple[str, ...] = ()  # ids with invalid measurements
+
+    @classmethod
+    def read(cls, message: Any, reject: Callable[[str], None]) -> Measurements:
+        """Measurements of a ghc_msgs/ObstacleStateArray; only invalid entries are rejected."""
+        seen: dict[str, Measurement] = {}
+        doubtful = []
+        for entry in message.obstacles:
+            try:
+                seen[entry.id] = Measurement.read(entry)
+            except GhcError as error:
+                reject(str(error))
+                doubtful.append(entry.id)
+        return cls(tuple(seen.values()), tuple(doubtful))
 
 
 def frame_of(normal: Array) -> Array:

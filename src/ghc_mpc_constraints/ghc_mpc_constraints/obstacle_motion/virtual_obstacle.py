@@ -1,4 +1,4 @@
-"""One obstacle as the controller is shown it: enters at the edge, moves, leaves over the edge."""
+"""Virtual obstacle for the controller: enters at the edge, moves, leaves over the edge."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from ghc_controller.types import Array
 from ghc_mpc_constraints.obstacle_motion.approach import ApproachQueue, ReactionTime
 from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 
-REACHED = 0.1  # [-] of the margin that may be missing when an obstacle counts as outside again
+REACHED = 0.1  # [-] tolerance, as a fraction of the margin, for an obstacle to be outside again
 
 
 class VirtualObstacle:
     """Follows the measurements of one obstacle.
 
-    Outside (farther than safe distance + margin) it is shown as it is measured: its constraint
-    is inactive. When it comes inside it is taken from the edge (assumption 1 of section 4.4.1),
-    which the margin keeps from being active at once. When it goes, or is not seen any more, it
-    is led to the edge first.
+    Outside (farther than safe distance + margin) it equals the measured obstacle, and its
+    constraint is inactive. When the obstacle enters, it starts at the edge (assumption 1 of
+    section 4.4.1), where the margin keeps its constraint inactive. When the obstacle leaves or is
+    no longer measured, it first moves to the edge.
     """
 
     def __init__(self, margin: float, reaction: ReactionTime) -> None:
-        """Begin unknown; `margin` [m]."""
+        """Start without a measurement; `margin` [m]."""
         self._margin = margin
         self._reaction = reaction
         self._edge = np.zeros(3)
@@ -33,7 +33,7 @@ class VirtualObstacle:
         self.reference = ApproachQueue(np.zeros(3), 0.0)
 
     def observe(self, measurement: Measurement, now: float) -> None:
-        """Take a measurement."""
+        """Update with a measurement."""
         self.measurement = measurement
         self.seen = True
         self._edge = measurement.away(self._margin)
@@ -47,13 +47,13 @@ class VirtualObstacle:
         self.reference.move(target, measurement.normal, now, self._reaction)
 
     def enter(self, state: Array, now: float) -> None:
-        """Bring it inside with a state (3, 3), from where it moves smoothly."""
+        """Start it inside at a state (3, 3), from which it moves smoothly."""
         self.outside = False
         self.state = state
         self.reference = ApproachQueue(state[0], now)
 
     def vanish(self, now: float) -> None:
-        """It is not in the sensor's list any more."""
+        """The sensor no longer reports it."""
         if self.measurement is None or not self.seen:
             return
         self.seen = False
@@ -62,17 +62,17 @@ class VirtualObstacle:
             self.reference.move(self._edge, self.measurement.normal, now, self._reaction)
 
     def advance(self, state: Array) -> None:
-        """Take the state that the plan before leads to, and notice when the edge is reached."""
+        """Update to the state of the previous plan, and detect when the edge is reached."""
         if self.outside or self.measurement is None:
             return
         self.state = state
-        way = float((state[0] - self._edge) @ self.measurement.normal)  # still to go [m]
+        way = float((state[0] - self._edge) @ self.measurement.normal)  # remaining distance [m]
         if self._leaving and way <= REACHED * self._margin:
             self._rest_at(self.measurement.position)
 
     @property
     def gone(self) -> bool:
-        """True when it is neither seen nor shown."""
+        """True if it is neither measured nor published."""
         return self.outside and not self.seen
 
     def _rest_at(self, point: Array) -> None:

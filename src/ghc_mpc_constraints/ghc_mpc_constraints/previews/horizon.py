@@ -3,7 +3,7 @@
     x(k+1) = A x(k) + B u(k)                        u constant over a step
     X = state_response x(k) + input_response U      position part only (eq. 4.13)
 
-The responses depend on T and N alone: they are made once and shared by all ticks.
+The responses depend only on T and N: they are computed once and shared by all ticks.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import POSITIVE
 from ghc_controller.types import PREVIEW_STEP, Array
 
-STEP_TOLERANCE = 1e-6  # [-] of a step: how far a time may lie off the grid
+STEP_TOLERANCE = 1e-6  # [-] distance of a time from the grid, as a fraction of a step
 
-# What the settings of every generator begin with.
+# Common settings of all generators.
 STEP = declared(
     "T between ticks; a multiple of the control period", PREVIEW_STEP, unit="s", domain=POSITIVE
 )
@@ -31,7 +31,7 @@ SMOOTHING = declared("false: raw values pass through, for comparison", True)
 
 @dataclass(frozen=True, slots=True)
 class Horizon:
-    """The grid of a preview: now, and `steps` further points `step` [s] apart."""
+    """The grid of a preview: the start, and `steps` further points `step` [s] apart."""
 
     step: float  # [s] T
     steps: int  # [-] N
@@ -41,7 +41,7 @@ class Horizon:
         """Horizon of a duration N T [s].
 
         Raises:
-            InvalidValue: not positive and finite, or the duration is no multiple of the step.
+            InvalidValue: not positive and finite, or the duration is not a multiple of the step.
         """
         for name, value in (("step", step), ("horizon", duration)):
             if not (math.isfinite(value) and value > 0.0):
@@ -76,7 +76,7 @@ class PreviewModel:
 
 @lru_cache(maxsize=16)
 def integrator_chain(order: int, horizon: Horizon) -> PreviewModel:
-    """Exact discretisation of `order` integrators, input held over a step, and its responses."""
+    """Exact discretization of `order` integrators, input held over a step, and its responses."""
     step, steps = horizon.step, horizon.steps
     powers = [step**i / math.factorial(i) for i in range(order + 1)]
     transition = np.array(

@@ -3,28 +3,20 @@
     min  sum_j d_j (x_j - raw_j)^2 + gamma jerk_j^2      s.t.  x_j <= limit_j
     with x_{j+1} from the triple integrator of eq. 4.11
 
-D changes the Hessian from tick to tick, so no inverse can be kept. The chain structure is used
-instead: a Riccati recursion solves the problem for any linear term in O(N), and the active-set
-method asks it for the columns of the few rows that become active.
+D changes the Hessian at each tick, so no inverse can be cached. Instead, a Riccati recursion over
+the chain solves the problem for any linear term in O(N); the active-set method uses it for the
+columns of the few active rows.
 """
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
+from ghc_controller.core import native
 from ghc_controller.errors import InvalidValue
 from ghc_controller.qp import QpProblem
 from ghc_controller.types import Array
-from ghc_mpc_constraints.previews.active_set import (
-    CAPACITY,
-    MAX_CHANGES,
-    feasibility_tolerance,
-    most_violated,
-    take_in,
-)
 from ghc_mpc_constraints.previews.horizon import Horizon, integrator_chain
-from ghc_mpc_constraints.previews.motion_kernels import factor, respond
 from ghc_mpc_constraints.previews.second_solver import SecondSolver
 
 ORDER = 3  # position, velocity, acceleration; the jerk is the input
@@ -45,18 +37,20 @@ class MotionQp:
         self.second = SecondSolver()
 
     def solve(self, state: Array, raw: Array, weights: Array, limit: Array) -> Array | None:
-        """Jerks (N,) [m/s^3] of the best motion; None when no solution was found.
+        """Jerks (N,) [m/s^3] of the optimal motion; None if no solution was found.
 
         `state` (3,) position, velocity, acceleration now; `raw` (N,) preview [m]; `weights` (N,)
-        diagonal of D; `limit` (N,) largest position [m], inf where there is none.
+        diagonal of D; `limit` (N,) largest position [m], inf = no limit.
         """
-        jerk, solved = _solve(self._step, state, raw, weights, limit, self._jerk_weight)
+        jerk, solved = native.bounded_motion(
+            self._step, state, raw, weights, limit, self._jerk_weight
+        )
         if solved:
             return jerk
         return self.second.solve(self.problem(state, raw, weights, limit))
 
     def problem(self, state: Array, raw: Array, weights: Array, limit: Array) -> QpProblem:
-        """The same QP written out in the jerks, with the stacked responses of eq. 4.13."""
+        """The same QP in dense form in the jerks, with the stacked responses of eq. 4.13."""
         model = self._model
         free = model.state_response @ state
         response = model.input_response
@@ -70,42 +64,3 @@ class MotionQp:
             np.full(len(raw), -np.inf),
             limit - free,
         )
-
-
-@numba.njit(cache=True)
-def _solve(
-    step: float,
-    start: Array,
-    raw: Array,
-    weights: Array,
-    limit: Array,
-    jerk_weight: float,
-) -> tuple[Array, bool]:
-    """Jerks (N,), and whether they are the optimum."""
-    steps = raw.shape[0]
-    factors = factor(step, weights, jerk_weight)
-    positions, jerk = np.empty(steps), np.empty(steps)
-    linear = weights * raw
-    respond(step, factors, start, linear, positions, jerk)
-    tolerance = feasibility_tolerance(limit)
-    rows, multipliers = np.empty(CAPACITY, np.int64), np.empty(CAPACITY)
-    columns, unused = np.empty((CAPACITY, steps)), np.empty(steps)
-    rest = np.zeros_like(start)
-    count = 0
-    for _ in range(MAX_CHANGES):
-        row = most_violated(positions, limit, tolerance)
-        if row < 0:
-            break
-        if count == CAPACITY - 1:
-            return jerk, False
-        rows[count] = row
-        unit = np.zeros(steps)
-        unit[row] = 1.0
-        respond(step, factors, rest, unit, columns[count], unused)
-        count = take_in(positions, limit, rows, multipliers, columns, count)
-        if count < 0:
-            return jerk, False
-    for k in range(count):
-        linear[rows[k]] -= multipliers[k]
-    respond(step, factors, start, linear, positions, jerk)
-    return jerk, most_violated(positions, limit, 10.0 * tolerance) < 0

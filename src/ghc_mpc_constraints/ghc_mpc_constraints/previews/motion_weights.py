@@ -1,4 +1,4 @@
-"""Diagonal of the weighting matrix D of eq. 4.15: how much each point of the preview counts."""
+"""Diagonal of the weighting matrix D of eq. 4.15: weight of each point of the preview."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import numpy as np
 from ghc_controller.types import Array
 
 POWER = 7.0  # [-] g of eq. 4.16 for a jerk weight of 1e-5: the lowest weight is 1e-7
-_LAMBDA_SHARE = 9.0  # lambda is this part of the range: the lowest weight is 10^-g
-_STILL = 1e-12  # [m] a preview that moves less does not move
+_LAMBDA_SHARE = 9.0  # lambda as a fraction of the range: the lowest weight is 10^-g
+_STILL = 1e-12  # [m] smaller motions of a preview are ignored
 
 
 def dynamic_weights(raw: Array, power: float = POWER) -> Array:
@@ -17,7 +17,7 @@ def dynamic_weights(raw: Array, power: float = POWER) -> Array:
 
 
 def dynamic_weights_two_sided(raw: Array, power: float = POWER) -> Array:
-    """The same for an axis on which no side is safer: one where the preview ends."""
+    """As above, for an axis without a safer side: one where the preview ends."""
     return _weights(np.abs(raw - raw[-1]), power)
 
 

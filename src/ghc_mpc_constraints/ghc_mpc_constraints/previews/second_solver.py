@@ -1,4 +1,4 @@
-"""The general solver that both generators ask where their structured solve gives up."""
+"""Fallback solver for generators if their structured solve fails."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ _MAX_PIVOTS = 4000  # a preview has hundreds of rows
 
 
 class SecondSolver:
-    """Solves a QP written out; believes an answer only if it meets its conditions."""
+    """Solves a dense QP; accepts a solution only if it meets the optimality conditions."""
 
     def __init__(self) -> None:
         self._solver = make_solver("daqp", SolverSettings(max_pivots=_MAX_PIVOTS))
         self.asked = 0
 
     def solve(self, problem: QpProblem) -> Array | None:
-        """The optimum; None when there is no answer that holds up."""
+        """The optimum; None if no solution passes the check."""
         self.asked += 1
         result = self._solver.solve(problem)
         if not result.found:

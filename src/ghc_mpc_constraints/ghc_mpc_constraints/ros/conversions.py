@@ -1,4 +1,4 @@
-"""Between ROS messages and the generators' values: pure functions, both directions."""
+"""Conversions between ROS messages and values of the generators: pure functions."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ghc_msgs.msg import (
 )
 from rclpy.serialization import deserialize_message
 
+from ghc_controller.core.native import state_at
 from ghc_controller.previews.motion import PlannedMotion as Motion
-from ghc_controller.previews.motion import state_at
 from ghc_controller.previews.preview import CONTACT_FORCES, OBSTACLE_MOTION, Preview
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.ros.conversions.common import doubles
@@ -27,13 +27,13 @@ from ghc_mpc_constraints.obstacle_motion.measurement import Measurement
 from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule as Contact
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule as Schedule
 
-LONGEST_GUESS = 0.1  # [s] over which motion in force is continued beyond what was heard
+LONGEST_GUESS = 0.1  # [s] over which the last received motion is extrapolated
 
 
 def times_of(message: ContactSchedule | LimitSchedule, now: float) -> tuple[float, float | None]:
-    """Time [s] from which those of a schedule count, and from which it is known.
+    """Time [s] to which those of a schedule are relative, and time from which it is known.
 
-    A zero stamp means `now` [s], without known_from it is known on receipt (None).
+    A zero stamp means `now` [s]; without known_from it is known on receipt (None).
     """
     stamp = nanoseconds_from_time(message.header.stamp)
     known_from = nanoseconds_from_time(message.known_from)
@@ -50,7 +50,7 @@ def schedule_message(
         if isinstance(schedule, Contact)
         else LimitSchedule(names=[schedule.name])
     )
-    # A nanosecond is as good as zero, which would mean: on receipt.
+    # One nanosecond instead of zero, since zero means: on receipt.
     message.header.stamp = time_from_seconds(max(run_start, 1e-9))
     if schedule.known_from:
         message.known_from = time_from_seconds(run_start + schedule.known_from)
@@ -71,10 +71,10 @@ def measurement_message(measurement: Measurement) -> ObstacleState:
 
 
 def in_force(states: Sequence[bytes], time: float, kind: str) -> Preview:
-    """What the newest serialized ControllerStates, one or two, say is in force at `time` [s].
+    """Bounds and obstacles at `time` [s] from the newest one or two serialized ControllerStates.
 
-    A bound that moves has moved on since the controller said it: of two states the second is
-    continued at the rate between both. An obstacle moves on with its jerk at zero.
+    Moving bounds have changed since they were reported: with two states the second one is
+    extrapolated at the rate between both. Obstacles are extrapolated with zero jerk.
     """
     messages = [deserialize_message(data, ControllerState) for data in states]
     if kind == OBSTACLE_MOTION:
@@ -103,7 +103,7 @@ def _motions_in_force(message: ControllerState, time: float) -> Preview:
 
 
 def _motion(entry: PlannedMotion, ahead: float) -> Motion:
-    """An obstacle as it moves `ahead` [s] of what was heard, jerk zero since."""
+    """An obstacle extrapolated by `ahead` [s] with zero jerk."""
     state = motion_state(entry)
     if ahead > 0.0:
         state = state_at(state, np.zeros((1, 3)), 2.0 * ahead, ahead)
@@ -125,5 +125,5 @@ def _stamp(message: ControllerState) -> float:
 
 
 def _ahead(stamp: float, time: float) -> float:
-    """How far [s] a state may be continued: what is older than that has said nothing for long."""
+    """Time [s] over which a state may be extrapolated; older ones have timed out."""
     return time - stamp if time - stamp < LONGEST_GUESS else 0.0

@@ -1,4 +1,4 @@
-"""How the node of a generator takes its input: schedules that are sent ahead, or a sensor."""
+"""Inputs of a generator node: schedules sent in advance, or a sensor."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ Reject = Callable[[str, str], None]
 
 
 class Input(ABC):
-    """Messages of one topic on their way to the generator."""
+    """Input messages of a generator, on one topic."""
 
     qos: QoSProfile
-    newest_only: bool  # of what came before the first tick
+    newest_only: bool  # keep only the newest message before the first tick
 
     def __init__(self, given: Schedules | Sensor, clock: TickClock, reject: Reject) -> None:
         self.topic = given.topic
@@ -39,32 +39,32 @@ class Input(ABC):
 
     @abstractmethod
     def take(self, message: Any) -> bool:
-        """Take a message; whether it matters for the tick that is due."""
+        """Process a message; returns whether it affects the tick that is due."""
 
     @abstractmethod
     def begin(self, now: float) -> None:
-        """Hand what is due to the generator before a tick at `now` [s]."""
+        """Pass due inputs to the generator before a tick at `now` [s]."""
 
     @abstractmethod
     def ready(self, start_ns: int) -> bool:
-        """Whether all that the tick at `start_ns` [ns] waits for has come."""
+        """Whether all inputs for the tick at `start_ns` [ns] have arrived."""
 
     @abstractmethod
     def can_take_over(self, in_force: Preview) -> bool:
-        """Whether there is all without which nothing could be planned for these rows."""
+        """Whether all inputs needed to plan these rows are available."""
 
     @abstractmethod
     def forget(self) -> None:
-        """Another run begins: what came is of one that has ended."""
+        """A new run begins: earlier inputs are stale."""
 
     @property
     def counts(self) -> dict[str, int]:
-        """For the diagnostics."""
+        """Counts for the diagnostics."""
         return {}
 
 
 class ScheduleInput(Input):
-    """Holds schedules back until they are known, and until all of a row have come."""
+    """Keeps schedules until their known_from, and until all of a row have arrived."""
 
     qos, newest_only = SCHEDULE_QOS, False
 
@@ -82,10 +82,10 @@ class ScheduleInput(Input):
         self._inbox = ScheduleInbox(parameters.lockstep)
         self._history = ScheduleHistory()
         self._scheduled: set[str] = set()
-        self._accepted = 0  # schedules, also those that are known later
+        self._accepted = 0  # schedules, including those known later
 
     def take(self, message: Any) -> bool:
-        """Take the schedules of a message; a bad one is rejected."""
+        """Process the schedules of a message; invalid ones are rejected."""
         now, timeline = self._clock.now_ns / NANOSECONDS, self._clock.timeline
         start, known_from = times_of(message, now)
         running = self._clock.tick_ns > (timeline.start_ns or 0)
@@ -105,29 +105,29 @@ class ScheduleInput(Input):
         return known
 
     def begin(self, now: float) -> None:
-        """Let the generator use the schedules that are known by now."""
+        """Pass the schedules known by now to the generator."""
         for schedule in self._inbox.due(now, self._has_all_of):
             self._generator.observe(schedule, now)
 
-    def ready(self, start_ns: int) -> bool:  # noqa: ARG002 - schedules come ahead
-        """Always: schedules are sent ahead."""
+    def ready(self, start_ns: int) -> bool:  # noqa: ARG002 - schedules are sent in advance
+        """Always True: schedules are sent in advance."""
         return True
 
     def can_take_over(self, in_force: Preview) -> bool:
-        """Whether the schedules of all rows in force have come."""
+        """Whether the schedules of all bounded rows have arrived."""
         self._history.expect(in_force.rows)
         complete = [self._has_all_of(row) for row in in_force.rows]
         return all(complete) and set(in_force.rows) <= self._scheduled
 
     def forget(self) -> None:
-        """Forget all schedules: those of the new run carry its stamps."""
+        """Discard all schedules: those of the new run have new stamps."""
         self._history.forget()
         self._inbox.forget()
         self._scheduled.clear()
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many schedules were accepted."""
+        """Number of accepted schedules."""
         return {"schedules": self._accepted}
 
     def _has_all_of(self, row: str) -> bool:
@@ -135,7 +135,8 @@ class ScheduleInput(Input):
 
 
 class SensorInput(Input):
-    """Hands the newest measurement to the generator; ticks may wait for that of their stamp."""
+    """Passes the newest measurement to the generator; ticks can wait for the measurement of their
+    stamp."""
 
     qos, newest_only = SENSOR_SUBSCRIBER_QOS, True
 
@@ -151,11 +152,11 @@ class SensorInput(Input):
         self._given, self._generator = given, generator
         self._period_ns = round(parameters.sensor_period * NANOSECONDS)
         self._sensed_ns = -1  # stamp of the newest message
-        # A measurement cannot be of the future; ticks are announced by whoever hears them last.
+        # A measurement is never from the future, but may arrive before its tick is announced.
         self._ahead_ns = MOST_AHEAD_NS + self._period_ns
 
     def take(self, message: Any) -> bool:
-        """Take a measurement unless it is of the future, or older than the last one."""
+        """Accept a measurement unless it is from the future or older than the last one."""
         stamp_ns = nanoseconds_from_time(message.header.stamp)
         if stamp_ns > self._clock.now_ns + self._ahead_ns:
             self._reject(
@@ -166,7 +167,11 @@ class SensorInput(Input):
             return False
         if stamp_ns <= self._sensed_ns and stamp_ns > 0:
             if stamp_ns < self._sensed_ns:
-                self._reject(f"{self.topic}.stamp", "older than the last one")
+                given, last = stamp_ns / NANOSECONDS, self._sensed_ns / NANOSECONDS
+                self._reject(
+                    f"{self.topic}.stamp",
+                    f"{given:.6f} s given, at least {last:.6f} s (the last one) expected",
+                )
             return False
         try:
             given = self._given.read(message, lambda reason: self._reject(self.topic, reason))
@@ -178,19 +183,19 @@ class SensorInput(Input):
         return True
 
     def begin(self, now: float) -> None:
-        """Nothing: a measurement is handed over when it comes."""
+        """No effect: a measurement is passed on arrival."""
 
     def ready(self, start_ns: int) -> bool:
-        """Whether the measurement of the last sensor period at or before the tick has come."""
+        """Whether the measurement of the last sensor period at or before the tick has arrived."""
         period = self._period_ns
         return period == 0 or self._sensed_ns >= start_ns - start_ns % period
 
     def can_take_over(self, in_force: Preview) -> bool:  # noqa: ARG002
-        """Whether the sensor has said anything."""
+        """Whether the sensor has sent anything."""
         return self._sensed_ns >= 0
 
     def forget(self) -> None:
-        """Forget when it was heard last."""
+        """Discard the time of the last measurement."""
         self._sensed_ns = -1
 
 
@@ -209,7 +214,8 @@ def _check_run(message: Any, timeline: Timeline) -> None:
     stamp_ns = nanoseconds_from_time(message.header.stamp)
     if stamp_ns and timeline.is_stale(stamp_ns):
         raise InvalidValue(
-            f"stamp {stamp_ns / NANOSECONDS:g} s given, which is of a run that has ended"
+            f"stamp {stamp_ns / NANOSECONDS:g} s given, which is of a run that has ended; one of "
+            "the run under way expected"
         )
 
 

@@ -1,4 +1,4 @@
-"""Parameters of the node of a generator: its settings, and what only the node needs."""
+"""Parameters of a generator node: settings of the generator, and of the node."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from ghc_controller.schema.declared import inline
 from ghc_controller.schema.parameters import EXECUTOR, not_negative, parameter
 from ghc_mpc_constraints.generator import GENERATORS, Generator, Schedules
 
-_TAKE_OVER = "[s] wall: wait for what is in force, and inputs, before the first plan"
+_TAKE_OVER = "[s] wall: wait for the current bounds and inputs before the first plan"
 _SENSOR_PERIOD = (
     "[s] of the robot's time: ticks at its multiples wait for the input of their stamp; 0 = never"
 )
-_LOCKSTEP = "refuse what would make a run depend on when it arrived"
+_LOCKSTEP = "reject inputs that would make a run depend on their time of arrival"
 
 
 def parameters_of(generator: type[Generator]) -> type[Any]:
     """Dataclass with the parameters of the node that runs a generator.
 
-    `settings`; `lockstep` and the names that schedules may use, or `sensor_period`; and
-    `take_over_timeout`, `executor`.
+    Fields: `settings`; `lockstep` and the names allowed in schedules, or `sensor_period`;
+    `take_over_timeout` and `executor`.
     """
     return _parameters(generator)
 
 
 def generator_parameters(name: str) -> type[Any]:
-    """The same by the name of the generator; raises as `GENERATORS[name]` does."""
+    """As above, by the name of the generator; raises as `GENERATORS[name]`."""
     return parameters_of(GENERATORS[name])
 
 

@@ -1,4 +1,4 @@
-"""When a generator plans: at stamps that are multiples of its step."""
+"""Determines when a generator plans: at multiples of its step."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from enum import Enum
 
 from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS, Place, Timeline
 
-_MOST_TICKS = 20  # [-] between two announcements that follow each other, at most
+_MOST_TICKS = 20  # [-] largest number of ticks between two consecutive announcements
 
 
 class Due(Enum):
-    """What a stamp asks of a generator."""
+    """Required action of a generator for a stamp."""
 
     PLAN = "plan"  # a new tick
-    REPEAT = "repeat"  # the last tick once more: the same plan again
+    REPEAT = "repeat"  # the last tick again: same plan
     NOTHING = "nothing"  # between two ticks
     STALE = "stale"  # older than the last tick, in the same epoch
-    IMPLAUSIBLE = "implausible"  # far from the run under way, see Timeline
+    IMPLAUSIBLE = "implausible"  # far from the current run, see Timeline
 
 
 class TickClock:
-    """Tells ticks from other stamps; a `Timeline` says which stamps are believed.
+    """Detects ticks among stamps; a `Timeline` decides which stamps are accepted.
 
-    A tick that was missed is made up for at the next stamp: its plan starts at the multiple of
-    the step at or before it, so that plans do not depend on which stamp was seen.
+    A missed tick is planned at the next stamp: its plan starts at the multiple of
+    the step at or before it, so that plans do not depend on which stamp was received.
     """
 
     def __init__(self, step_ns: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -39,7 +39,7 @@ class TickClock:
 
     @property
     def epoch(self) -> int:
-        """Number of the run under way."""
+        """Number of the current run."""
         return self.timeline.epoch
 
     @property
@@ -53,7 +53,7 @@ class TickClock:
         return self._seen_ns
 
     def judge(self, stamp_ns: int, epoch: int) -> Due:
-        """What is due at a stamp; `new_epoch` says whether everything starts again with it."""
+        """Action due at a stamp; afterwards `new_epoch` is True if the stamp starts a new run."""
         self.new_epoch = False
         tick_ns = stamp_ns - stamp_ns % self._step_ns
         place = self.timeline.judge(tick_ns, epoch)
@@ -74,7 +74,7 @@ class TickClock:
         return Due.REPEAT if self._repeatable else Due.PLAN
 
     def planned(self, stamp_ns: int) -> int:
-        """A plan for this stamp is published; returns the start of its tick [ns]."""
+        """Register the plan of this stamp as published; returns the start of its tick [ns]."""
         self._last_ns = stamp_ns - stamp_ns % self._step_ns
         self._repeatable = True
         return self._last_ns
@@ -84,5 +84,5 @@ class TickClock:
         return stamp_ns - stamp_ns % self._step_ns
 
     def forget(self) -> None:
-        """Plan a repeat of the last tick again: something new is to be taken into account."""
+        """Plan the last tick again if it is repeated, since an input has changed."""
         self._repeatable = False

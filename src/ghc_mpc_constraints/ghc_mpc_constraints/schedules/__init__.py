@@ -1,1 +1,1 @@
-"""What planners say ahead: bounds that hold from given times on."""
+"""Schedules of planners: bounds with the times from which they apply."""

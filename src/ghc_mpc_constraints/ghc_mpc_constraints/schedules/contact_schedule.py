@@ -1,4 +1,4 @@
-"""What a planner allows each contact to carry, and when: piecewise constant normal forces."""
+"""Piecewise constant bounds on the normal force of a contact over time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSchedule(LimitSchedule):
-    """Smallest and largest normal force [N], 0 or more, of one contact; made by `checked`."""
+    """Smallest and largest normal force [N], >= 0, of one contact; constructed by `checked`."""
 
     THING: ClassVar[str] = "contact"
     SMALLEST: ClassVar[float] = 0.0

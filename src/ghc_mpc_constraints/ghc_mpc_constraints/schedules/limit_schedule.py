@@ -1,4 +1,4 @@
-"""What a planner allows, and when: piecewise constant bounds of one joint or contact."""
+"""Piecewise constant bounds of one joint or contact over time."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ S = TypeVar("S", bound="LimitSchedule")
 class LimitSchedule:
     """Bounds i hold from times[i] to times[i + 1], the last indefinitely, the first also before.
 
-    Made by `checked`. lower > upper is a schedule that cannot be met: it is accepted, since it
-    may come of two planners, and the generator says what it makes of it.
+    Constructed by `checked`. A schedule with lower > upper is infeasible but accepted, since it
+    may result from two planners; the generator reports how it resolves it.
     """
 
     THING: ClassVar[str] = "joint"
@@ -31,16 +31,16 @@ class LimitSchedule:
     times: Array  # (p,) [s] strictly increasing
     lower: Array  # (p,) [rad], [Nm] or [N]
     upper: Array  # (p,)
-    known_from: float | None = None  # [s] the generator does not look at it before; None: at once
+    known_from: float | None = None  # [s] time from which the generator uses it; None: at once
 
     def __eq__(self, other: object) -> bool:
-        """Whether both say the same of the same row."""
+        """Whether row and content are equal."""
         if not isinstance(other, LimitSchedule):
             return NotImplemented
         return type(other) is type(self) and self._content == other._content
 
     def __hash__(self) -> int:
-        """Of what it says."""
+        """Hash of row and content."""
         return hash(self._content)
 
     @property
@@ -58,7 +58,7 @@ class LimitSchedule:
         known: Sequence[str] = (),
         known_from: float | None = None,
     ) -> S:
-        """Schedule of one row; `known` names the rows that exist, none = any.
+        """Schedule of one row; `known` names the existing rows, empty = any.
 
         Raises:
             GhcError: unknown name, no entries, sizes that differ, times that do not increase,
@@ -102,7 +102,7 @@ class LimitSchedule:
         """Schedules of a ghc_msgs/LimitSchedule whose times count from `start` [s].
 
         Raises:
-            GhcError: as `checked`; sizes that do not fit, a name twice, no names.
+            GhcError: as `checked`; inconsistent sizes, duplicate or missing names.
         """
         names, points = list(message.names), len(message.times)
         if not names or len(set(names)) != len(names):
@@ -124,7 +124,7 @@ class LimitSchedule:
         return self if time == self.known_from else replace(self, known_from=time)
 
     def followed_by(self: S, newer: S, now: float) -> S:
-        """This one up to the first time of `newer`, that one from there; the past is dropped."""
+        """This schedule up to the first time of `newer`, then `newer`; past entries are cut."""
         kept = self.times < newer.times[0]
         past = np.flatnonzero(self.times <= now)
         if len(past):

@@ -18,23 +18,22 @@ class RawBounds:
 
     lower: Array  # (N + 1,)
     upper: Array  # (N + 1,), lower <= upper everywhere
-    conflict: bool  # the schedule asks for lower > upper somewhere: the upper one was kept
+    conflict: bool  # lower > upper somewhere in the schedule: the upper one was kept
 
 
 def preview(schedule: LimitSchedule, start: float, horizon: Horizon) -> RawBounds:
-    """Bounds that keep every line between two neighbouring points inside the schedule.
+    """Bounds whose linear interpolation between points stays inside the schedule.
 
-    Each point takes the tighter one of the steps on both its sides, so that a bound that is
-    interpolated between points is never looser than the raw one, wherever that jumps. Where no
-    value is inside both sides the point takes the schedule's own. Where even that is
-    contradictory the upper bound wins: it says what the surroundings bear, and it is zero where
-    there is no contact.
+    Each point uses the tighter bound of its two adjacent steps, so that an interpolated bound is
+    never looser than the raw one, wherever that jumps. If the two steps are incompatible, the
+    point uses the schedule at its own time. If that is inconsistent, the upper bound is kept: it
+    is the limit of the environment, and zero without contact.
     """
     times = horizon.times(start)
-    slack = STEP_TOLERANCE * horizon.step  # a jump on a point belongs to the step after it
+    slack = STEP_TOLERANCE * horizon.step  # a jump at a point belongs to the step after it
     index = np.searchsorted(schedule.times, times + slack, side="right") - 1
     last = np.searchsorted(schedule.times, times + horizon.step - slack, side="left") - 1
-    index, last = np.maximum(index, 0), np.maximum(last, 0)  # the first entry holds from ever
+    index, last = np.maximum(index, 0), np.maximum(last, 0)  # the first entry applies before, too
     after = _extremes(schedule, index, last)
     before = [np.concatenate([value[:1], value[:-1]]) for value in after]
     lower, upper = np.maximum(before[0], after[0]), np.minimum(before[1], after[1])

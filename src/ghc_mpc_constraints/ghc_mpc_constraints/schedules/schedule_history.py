@@ -1,40 +1,39 @@
-"""After a start in the middle of a run: have all the schedules of a row come?"""
+"""Detects that all earlier schedules of a row have arrived after a start during a run."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-QUIET = 0.2  # [s] wall without a further schedule: that was all
-LONGEST = 1.0  # [s] wall after the first one: a planner that goes on speaking is not waited for
+QUIET = 0.2  # [s] wall without a further schedule: complete
+LONGEST = 1.0  # [s] wall after the first one: longest wait for a planner that keeps sending
 
 
 class ScheduleHistory:
-    """Tells when the schedules that were sent before the start of this generator have come.
+    """Waits for the schedules that were sent before this generator was started.
 
-    The topic keeps a planner's schedules for who starts later. They come one by one, the oldest
-    first, under load with pauses between: one that was replaced long ago may allow what the next
-    one forbids. Nothing says which is the last, so a row whose bounds are in force waits
-    until none has come for a while.
+    Schedules are latched for nodes that start later. They arrive one by one, oldest first, with
+    pauses under load, and an outdated one may allow what its successor forbids. The last one is
+    not marked, so a row with active bounds waits until no schedule has arrived for a while.
     """
 
     def __init__(self, quiet: float = QUIET, longest: float = LONGEST) -> None:
-        """Both in [s] of the wall clock, like every `wall` below."""
+        """Both in [s] wall time, like every `wall` below."""
         self._quiet, self._longest = quiet, longest
         self._expected: set[str] = set()  # rows that still wait
         self._first: dict[str, float] = {}  # row -> [s] of its first schedule
         self._last: dict[str, float] = {}
 
     def expect(self, rows: Iterable[str]) -> None:
-        """These have bounds in force, so somebody has sent schedules for them."""
+        """Wait for these rows: they have current bounds, so schedules were sent for them."""
         self._expected = set(rows)
 
     def arrived(self, row: str, wall: float) -> None:
-        """Take note of a schedule."""
+        """Register a schedule."""
         self._first.setdefault(row, wall)
         self._last[row] = wall
 
     def is_complete(self, row: str, wall: float) -> bool:
-        """Whether the schedules of a row may be used; once they may, they always may."""
+        """Whether the schedules of a row can be used; stays True."""
         if row not in self._expected:
             return True
         if row not in self._last:
@@ -46,5 +45,5 @@ class ScheduleHistory:
         return False
 
     def forget(self) -> None:
-        """Nothing is waited for: time starts again."""
+        """Stop waiting: time restarts."""
         self._expected.clear()

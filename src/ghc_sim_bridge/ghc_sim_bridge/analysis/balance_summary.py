@@ -1,4 +1,4 @@
-"""The part of summary.json on balance: base, motors, centre of mass, and the load of contacts."""
+"""The part of summary.json on balance: base, motors, center of mass, and the load of contacts."""
 
 from __future__ import annotations
 
@@ -56,11 +56,11 @@ def balance_lines(summary: Mapping[str, Any]) -> str:
         f"{100.0 * use['largest']:.0f} % of its limit ({use['joint']})"
     ]
     if distance is not None:
-        lines.append(f"centre of mass: at most {1e3 * distance:.2f} mm from its target")
+        lines.append(f"center of mass: at most {1e3 * distance:.2f} mm from its target")
     for name, load in summary["contact_loads"].items():
         asked, friction = load["asked_n"], load["friction_use_qp"]
         lines.append(
-            f"contact {name}: {asked[0]:.1f} to {asked[1]:.1f} N asked, simulated differs by "
+            f"contact {name}: {asked[0]:.1f} to {asked[1]:.1f} N commanded, simulated differs by "
             f"{load['difference_rms_n']:.2g} N rms, at most {load['difference_largest_n']:.2g} N; "
             f"friction used to {100.0 * friction:.0f} % in the QP, "
             f"{100.0 * load['friction_use_simulated']:.0f} % simulated"

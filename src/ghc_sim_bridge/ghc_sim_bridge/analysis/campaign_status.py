@@ -23,6 +23,7 @@ class RunStatus:
     height: float = math.nan  # [m] of the base at the end
     tilt: float = math.nan  # [rad] of the base's z axis against the vertical at the end
     peak_torque_rate: float = math.nan  # [Nm/s] of any joint, at the control period
+    fallback_ticks: int = 0  # control steps without an answer, in which the joints braked
     problem: str = ""  # what else went wrong: a node that did not end in order, no log to judge
 
 
@@ -35,6 +36,7 @@ class Total:
     runs: int
     stay_up: int
     fallen_seeds: tuple[int, ...]
+    fallback_ticks: int = 0
 
 
 def judge(status: RunStatus, log: FullRateLog, nominal_height: float) -> RunStatus:
@@ -60,7 +62,9 @@ def tally(runs_done: Sequence[RunStatus]) -> tuple[Total, ...]:
         for generators in (False, True):
             runs = [v for v in runs_done if (v.scenario, v.generators) == (scenario, generators)]
             fallen = tuple(status.seed for status in runs if not status.stays_up)
-            totals.append(Total(scenario, generators, len(runs), len(runs) - len(fallen), fallen))
+            braked = sum(status.fallback_ticks for status in runs)
+            up = len(runs) - len(fallen)
+            totals.append(Total(scenario, generators, len(runs), up, fallen, braked))
     return tuple(totals)
 
 
@@ -72,7 +76,9 @@ def campaign_table(totals: Sequence[Total]) -> str:
             "on" if total.generators else "off",
             f"{total.stay_up} of {total.runs}",
             ", ".join(map(str, total.fallen_seeds)) or "none",
+            str(total.fallback_ticks),
         ]
         for total in totals
     ]
-    return aligned(["scenario", "generators", "stay up", "seeds that fall"], rows, left=(0, 1, 3))
+    head = ["scenario", "generators", "stay up", "seeds that fall", "fallback ticks"]
+    return aligned(head, rows, left=(0, 1, 3))

@@ -21,7 +21,11 @@ from ghc_sim_bridge.analysis.generator_metrics import (
     event_windows,
     force_following,
 )
-from ghc_sim_bridge.analysis.limit_history import LimitHistory, limit_histories
+from ghc_sim_bridge.analysis.limit_history import (
+    LimitHistory,
+    limit_histories,
+    margin_histories,
+)
 from ghc_sim_bridge.analysis.obstacle_distance import DistanceHistory, obstacle_distance
 from ghc_sim_bridge.logs.constraint_series import ConstraintSeries
 from ghc_sim_bridge.scene.description import load_scene
@@ -95,7 +99,10 @@ def analyse_generators(analysis: Analysis, series: ConstraintSeries) -> Generato
             for obstacle in load_scene(plan.scenario.scene).obstacles
             if obstacle.id in series.obstacles
         },
-        limits=limit_histories(series, plan.scenario, log),
+        limits={
+            **limit_histories(series, plan.scenario, log),
+            **margin_histories(series, plan.scenario, log, analysis.robot),
+        },
     )
 
 

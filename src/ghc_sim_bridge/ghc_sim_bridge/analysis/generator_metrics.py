@@ -58,7 +58,7 @@ def force_following(
 ) -> ForceFollowing:
     """How a contact's bounds were kept; `force` (T,) [N] is the simulated one at `time` (T,) [s].
 
-    The force asked for at t acts over the period that follows, and is sensed at its end.
+    The force commanded at t acts over the next period and is measured at its end.
     """
     values = series.contacts[name]
     present = np.isfinite(values).all(axis=1)

@@ -1,4 +1,4 @@
-"""A joint against its moving limits: those in force, and the raw ones of the script."""
+"""A joint or a distance against its moving limits: the current ones, and those of the script."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ghc_controller.previews.preview import JOINT_LIMITS
+from ghc_controller.constraints.rows.body_distance import BodyDistance
+from ghc_controller.previews.preview import BODY_MARGINS, JOINT_LIMITS
+from ghc_controller.robot.robot import Robot
 from ghc_controller.types import Array
+from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 from ghc_sim_bridge.analysis.generator_metrics import largest
 from ghc_sim_bridge.logs.constraint_series import LOWER, UPPER, ConstraintSeries
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
@@ -19,11 +22,11 @@ _SAME_TIME = 1e-6  # [s]
 
 @dataclass(frozen=True, slots=True)
 class LimitHistory:
-    """One joint at the S reports of the controller; [rad] or [Nm]."""
+    """One joint, or one distance, at the S reports of the controller; [rad], [Nm] or [m]."""
 
     unit: str
     time: Array  # (S,) [s]
-    value: Array  # (S,) position, or torque sent in answer
+    value: Array  # (S,) position, torque sent in answer, or least distance
     limits: Array  # (S, 2) in force
     raw: Array  # (S, 2) as scripted
 
@@ -66,6 +69,35 @@ def limit_histories(
         raw = np.array([schedules[joint].at(time + _SAME_TIME) for time in series.time])
         unit = "rad" if kind == JOINT_LIMITS else "Nm"
         histories[name] = LimitHistory(unit, series.time, seen[rows], limits, raw)
+    return histories
+
+
+def margin_histories(
+    series: ConstraintSeries, scenario: Scenario, log: FullRateLog, robot: Robot
+) -> Mapping[str, LimitHistory]:
+    """History of every margin that the scenario scripts: least distance of its pairs."""
+    schedules: dict[str, LimitSchedule] = {}
+    for schedule in scenario.body_margin_schedules:
+        before = schedules.get(schedule.name)
+        schedules[schedule.name] = before.followed_by(schedule, -np.inf) if before else schedule
+    found = [one for one in robot.constraints if isinstance(one, BodyDistance)]
+    rows = np.minimum(np.searchsorted(log.time, series.time - _SAME_TIME), len(log.time) - 1)
+    histories = {}
+    for constraint in found:
+        names = [name for name in constraint.margins if f"{BODY_MARGINS}/{name}" in series.limits]
+        names = [name for name in names if name in schedules]
+        least = np.full((len(names), len(rows)), np.nan)
+        for place, row in enumerate(rows if names else ()):
+            model = robot.model
+            model.update(log.configuration(row, model.joint_names), np.zeros(model.nv))
+            distances = constraint.distances()
+            for k, name in enumerate(names):
+                least[k, place] = distances[list(constraint.pairs_of(name))].min()
+        for k, name in enumerate(names):
+            raw = np.array([schedules[name].at(time + _SAME_TIME) for time in series.time])
+            key = f"{BODY_MARGINS}/{name}"
+            limits = series.limits[key]
+            histories[key] = LimitHistory("m", series.time, least[k], limits, raw)
     return histories
 
 

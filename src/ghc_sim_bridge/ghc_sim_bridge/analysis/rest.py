@@ -30,7 +30,7 @@ class PhaseRest:
 
     @property
     def still_moves(self) -> bool:
-        """Whether the robot moves although nothing asks it to."""
+        """Whether the robot moves without a reason."""
         return self.references_rest and self.speed > REST_SPEED
 
 

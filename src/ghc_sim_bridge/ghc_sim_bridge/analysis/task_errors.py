@@ -30,8 +30,8 @@ class TaskHistory:
     error: Array  # (S,) norm of reference - actual over the rows under motion control
     position: Array  # (S, p) task variable
     reference: Array  # (S, p) its reference
-    desired_force: Array | None  # (S, m) [N] to be exerted on the surroundings
-    measured_force: Array | None  # (S, m) [N] exerted on the surroundings
+    desired_force: Array | None  # (S, m) [N] to be exerted on the environment
+    measured_force: Array | None  # (S, m) [N] exerted on the environment
     contact: str | None  # name of the contact that is measured
 
 

@@ -1,4 +1,4 @@
-"""Joint commands: from the bytes on the wire to a checked torque."""
+"""Joint commands: from serialized bytes to a checked torque."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ghc_controller.types import Array
 
 
 class CommandRejected(GhcError):
-    """A joint command that cannot be used; `field` is what is wrong with it."""
+    """An invalid joint command; `field` is the invalid field."""
 
     def __init__(self, field: str, reason: str) -> None:
         self.field = field
@@ -66,7 +66,7 @@ class CommandDecoder:
         if not np.isfinite(effort).all():
             pairs = zip(self._joint_names, effort, strict=True)
             bad = [f"{name} is {value}" for name, value in pairs if not np.isfinite(value)]
-            raise CommandRejected("effort", ", ".join(bad))
+            raise CommandRejected("effort", f"{', '.join(bad)}; finite numbers expected")
         return Command(values.stamp_ns, effort, values.frame_id)
 
     def _look_up(self, values: JointStateValues) -> None:

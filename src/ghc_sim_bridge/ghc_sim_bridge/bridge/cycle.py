@@ -1,6 +1,6 @@
-"""One control period of the bridge: gate, simulate, observe, log, in the one order that is right.
+"""One control period of the bridge: gate, simulate, observe, log, in this order.
 
-No ROS here: the node decides when a period happens and with which command.
+No ROS here: the node decides when a period runs and with which command.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer, Source
 from ghc_sim_bridge.simulation.simulator import Simulator
 from ghc_sim_bridge.simulation.standing_hold import StandingHold
 
-TAKEOVER_PERIODS = 2  # [-] the controller's own change, and one of the hold since the state
+TAKEOVER_PERIODS = 2  # [-] one change by the controller, and one by the hold since the state
 
 
 class BaseState(NamedTuple):
-    """Of a base that floats; empty for one that is fixed."""
+    """State of a floating base; empty for a fixed one."""
 
     pose: Array  # (7,) [m] and quaternion xyzw, world
     velocity: Array  # (6,) [m/s] and [rad/s], base axes
@@ -33,7 +33,7 @@ class ControlCycle:
     def __init__(
         self, simulator: Simulator, gate: TorqueGate, log: FullRateLogBuffer | None
     ) -> None:
-        """Begin where the simulator stands; a row per period goes to `log` if there is one."""
+        """Begin at the simulator's current state; adds a row per period to `log`, if any."""
         self.simulator = simulator
         self._gate = gate
         self._log = log
@@ -50,7 +50,7 @@ class ControlCycle:
         self.run_ns = self.simulator.tick * self.period_ns  # [ns] since the start of the run
         self.time_ns = self.start_ns + self.run_ns  # [ns] never goes back
         q, v = self.joint_state
-        # Once a state: a state that is repeated on the wire is the same.
+        # Once per state: a repeated state is identical.
         self.measured: tuple[Array, Array] = (q, self.simulator.measured_velocity(v))
 
     @property
@@ -71,11 +71,11 @@ class ControlCycle:
         return self.state.epoch
 
     def reset(self) -> None:
-        """Back to the start state, in the next epoch.
+        """Return to the start state, in the next epoch.
 
-        Time goes on: the run begins at a whole second, so that what happens at multiples of a
-        period happens at the same times of every run, and later than a stamp may be ahead of the
-        one before (`Timeline`), so that nobody takes its states for those of the run before.
+        Time continues: the run begins at a whole second, so that events at multiples of a period
+        have the same times in every run. The gap is larger than the largest step of a stamp
+        (`Timeline`), so that its states cannot be taken for those of the previous run.
         """
         self.start_ns = (self.time_ns // NANOSECONDS + 2) * NANOSECONDS
         self.simulator.reset()
@@ -83,10 +83,10 @@ class ControlCycle:
         self._observe()
 
     def continues(self, commanded: Array) -> bool:
-        """Whether a command (n,) [Nm] is near the torque that is applied.
+        """Whether a command (n,) [Nm] is close to the applied torque.
 
-        Within TAKEOVER_PERIODS of the rate limit, as the first torque of a controller that takes
-        over a robot at rest is.
+        Within TAKEOVER_PERIODS of the rate limit, as is the first torque of a controller that
+        takes over a robot at rest.
         """
         room = TAKEOVER_PERIODS * self._gate.torque_step_limit
         return bool((np.abs(commanded - self.simulator.torque) <= room).all())

@@ -1,4 +1,4 @@
-"""What the bridge tells about itself once a second."""
+"""Diagnostics of the bridge, once a second."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ghc_controller.ros.rejections import Rejections
+from ghc_controller.ros.rejections import Recent, Rejections
 from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.run_mode import RunMode
 
-# Part of normal operation (answers to repeats, late answers while paused): counted, but nothing
-# to warn of.
+# Part of normal operation (answers to repeats, late answers while paused): counted without a #
+# warning.
 EXPECTED = frozenset({"answered_before", "not_running"})
 
 
@@ -26,15 +26,16 @@ class Health:
 
 
 class BridgeDiagnostics:
-    """Counts of rejections and the pace of time since the report before."""
+    """Counts of rejections and the pace of time since the last report."""
 
     def __init__(self, rejections: Rejections) -> None:
-        """Report on `rejections` and on what is given to `report`."""
+        """Report `rejections` and the values passed to `report`."""
         self._rejections = rejections
+        self._recent = Recent()
         self._before = (time.monotonic(), 0)  # wall [s], simulated [ns]
 
     def report(self, cycle: ControlCycle, mode_name: str, mode: RunMode) -> Health:
-        """How the bridge is now."""
+        """Current health of the bridge."""
         wall, simulated = time.monotonic(), cycle.time_ns
         wall_before, simulated_before = self._before
         self._before = (wall, simulated)
@@ -50,5 +51,5 @@ class BridgeDiagnostics:
             **mode.diagnostics(),
             **{f"rejected_{field}": count for field, count in sorted(counts.items())},
         }
-        summary = f"{refused} commands refused or clipped" if refused else "ok"
-        return Health(summary, refused > 0, values)
+        warning, summary = self._recent.told(refused, f"{refused} commands rejected or clipped")
+        return Health(summary, warning, values)

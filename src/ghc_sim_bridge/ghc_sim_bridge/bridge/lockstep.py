@@ -11,16 +11,16 @@ from ghc_controller.types import Array
 from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.run_mode import Outcome
 
-REPEAT_PERIOD = 0.05  # [s] wall; a state not answered by then was lost on the way, or its answer
-TICK_PERIOD = 0.01  # [s] wall; how often repeats and the deadline are looked at
+REPEAT_PERIOD = 0.05  # [s] wall; after this time the state or its answer was lost
+TICK_PERIOD = 0.01  # [s] wall; period of checks for repeats and the deadline
 
 
 class PartnerMissing(GhcError):
-    """No command answered the state within the deadline; says which and how long."""
+    """No command answered the state within the deadline."""
 
 
 class Due(Enum):
-    """What the loop has to do now."""
+    """Next action of the loop."""
 
     NOTHING = 0
     REPEAT = 1  # publish the same state again: the controller answers it with the same command
@@ -31,7 +31,7 @@ class Lockstep:
     """Times on any monotonic clock in seconds; stamps of simulated time in nanoseconds."""
 
     def __init__(self, timeout: float, now: float) -> None:
-        """Give up on a state after `timeout` [s]; waiting starts at `now` [s]."""
+        """Stop waiting for an answer after `timeout` [s]; waiting starts at `now` [s]."""
         self._timeout = timeout
         self._waiting_since = now
         self._sent_at = now
@@ -39,22 +39,22 @@ class Lockstep:
         self.repeats = 0
 
     def sent(self, stamp_ns: int, now: float) -> None:
-        """A new state was published: only the command with this stamp moves the robot."""
+        """Register a new published state: only the command with this stamp advances time."""
         self.awaited_ns = stamp_ns
         self._waiting_since = now
         self._sent_at = now
 
     def repeated(self, now: float) -> None:
-        """The awaited state was published once more."""
+        """Register that the awaited state was published again."""
         self._sent_at = now
         self.repeats += 1
 
     def keep_waiting(self, now: float) -> None:
-        """Nobody is late (paused, or the run has ended): start the deadline anew."""
+        """No answer is due (paused, or the run has ended): restart the deadline."""
         self._waiting_since = now
 
     def due(self, now: float) -> Due:
-        """What to do at `now` [s]."""
+        """Action at `now` [s]."""
         if now - self._waiting_since > self._timeout:
             return Due.GIVE_UP
         if now - self._sent_at >= REPEAT_PERIOD:
@@ -62,10 +62,10 @@ class Lockstep:
         return Due.NOTHING
 
     def missing(self, topic: str, epoch: int, now: float, last_rejection: str) -> PartnerMissing:
-        """Error that names the partner, the state and, where known, why answers were refused."""
+        """Error that names the partner, the state and, if known, why answers were rejected."""
         waited = now - self._waiting_since
         because = (
-            f"; the last one was refused: {last_rejection}"
+            f"; the last one was rejected: {last_rejection}"
             if last_rejection
             else "; is the controller running, with this robot and in this ROS domain?"
         )
@@ -76,7 +76,7 @@ class Lockstep:
 
 
 class LockstepMode:
-    """Same inputs, same trajectory, on any machine and as fast as it can."""
+    """Same inputs, same trajectory, on any machine and as fast as possible."""
 
     waits = True
 
@@ -89,7 +89,7 @@ class LockstepMode:
         stop_ns: int,
         explain: Callable[[], str],
     ) -> None:
-        """`explain` gives the reason of the last refused command, "" when there was none."""
+        """`explain` returns the reason for the last rejected command, "" if there is none."""
         self.paused = False
         self.tick_period = TICK_PERIOD
         self._cycle = cycle
@@ -121,7 +121,7 @@ class LockstepMode:
         """Repeat an unanswered state.
 
         Raises:
-            PartnerMissing: nobody answered within the deadline.
+            PartnerMissing: no answer within the deadline.
         """
         now = time.monotonic()
         if not self._waiting:
@@ -134,7 +134,7 @@ class LockstepMode:
             self._lockstep.repeated(now)
 
     def diagnostics(self) -> dict[str, object]:
-        """Repeats since the start: not zero on a lossy link or with a slow controller."""
+        """Repeats since the start: nonzero on a lossy link or with a slow controller."""
         return {"repeats": self._lockstep.repeats}
 
     def restart(self) -> None:

@@ -9,14 +9,15 @@ from ghc_sim_bridge.bridge.lockstep import PartnerMissing
 
 Publish = Callable[[bytes], None]
 
-# The middleware itself waits about 0.1 s for room in its history; this only spares it a busy loop.
+# The middleware itself waits about 0.1 s for space in its history; this avoids a busy loop.
 PAUSE = 0.001  # [s]
 
 
 def patient(publish: Publish, topic: str, timeout: float, stopping: Callable[[], bool]) -> Publish:
-    """`publish`, tried again while its history is full of what a reliable reader did not take.
+    """`publish`, retried while its history is full of messages that a reliable reader did not
+    take.
 
-    The returned function raises PartnerMissing after `timeout` [s] of that; while the node is
+    The returned function raises PartnerMissing after `timeout` [s]; while the node is
     `stopping` the message is dropped.
     """
 

@@ -14,16 +14,16 @@ from ghc_sim_bridge.bridge.state_cdr import (
 )
 
 Publish = Callable[[Any], None]  # of serialized bytes or of a message
-Observe = Callable[[ControlCycle], None]  # publishes what a sensor has at the cycle's time, if any
+Observe = Callable[[ControlCycle], None]  # publishes the sensor reading of this cycle, if any
 
 WORLD_FRAME = "world"
 
 
 class StatePublisher:
-    """Sensors first: whoever has a joint state can have wrenches, odometry and obstacles of its
-    stamp.
+    """Sensors first: a reader of a joint state can already have wrenches, odometry and obstacles
+    of its stamp.
 
-    The clock comes last because nobody waits for it: the controller works meanwhile.
+    The clock is last because the controller does not wait for it.
     """
 
     def __init__(
@@ -34,8 +34,8 @@ class StatePublisher:
         observe: Observe | None = None,
         odometry: Publish | None = None,
     ) -> None:
-        """Where the serialized messages go; `contacts` by contact name, empty for none, and
-        `odometry` of a robot whose base floats."""
+        """Publishers of the serialized messages; `contacts` by contact name, empty for none, and
+        `odometry` for a robot with a floating base."""
         self._observe = observe
         self._joint_states = joint_states
         self._clock = clock

@@ -1,4 +1,4 @@
-"""Realtime: periods by the wall clock, with a hold torque where commands fall silent."""
+"""Realtime: periods by the wall clock, with a hold torque when commands time out."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ghc_sim_bridge.bridge.cycle import ControlCycle
 from ghc_sim_bridge.bridge.lockstep import REPEAT_PERIOD
 from ghc_sim_bridge.bridge.run_mode import Outcome
 
-MAX_CATCH_UP = 5  # [-] periods done at once after a delay; the rest is dropped: time slips
-FRESH_COMMANDS_TO_RESUME = 3  # [-] one command may be the last gasp of a dying controller
+MAX_CATCH_UP = 5  # [-] periods simulated at once after a delay; the rest is dropped: time slips
+FRESH_COMMANDS_TO_RESUME = 3  # [-] a single late command must not re-enable the robot
 
 
 class Pacer:
@@ -38,37 +38,37 @@ class Pacer:
 
 
 class Watchdog:
-    """Holds until fresh commands arrive in a row, and again after a silence.
+    """Holds until consecutive fresh commands arrive, and again after a timeout.
 
     The age of a command is simulated time now minus the stamp of the state that it answers, so a
-    bridge that was itself not scheduled for a while does not take that for silence.
+    bridge that was not scheduled for a while does not mistake that for a timeout.
     """
 
     def __init__(self, timeout_ns: int) -> None:
-        """A command older than `timeout_ns` [ns] does not count."""
+        """A command older than `timeout_ns` [ns] is not used."""
         self._timeout_ns = timeout_ns
         self._last_stamp_ns: int | None = None
         self._fresh_in_a_row = 0
         self.holding = True
 
     def reset(self) -> None:
-        """Forget every command: simulated time starts anew."""
+        """Discard every command: simulated time restarts."""
         self._last_stamp_ns = None
         self._fresh_in_a_row = 0
         self.holding = True
 
     def refuses(self, stamp_ns: int, now_ns: int) -> str:
-        """Why a command for the state of `stamp_ns` does not count at `now_ns`; "" if it does."""
+        """Why a command for the state of `stamp_ns` is rejected at `now_ns`; "" if accepted."""
         if stamp_ns > now_ns:
             return "stamp_of_no_state"
         if now_ns - stamp_ns > self._timeout_ns:
             return "stale"
         if self._last_stamp_ns is not None and stamp_ns <= self._last_stamp_ns:
-            return "answered_before"  # a repeat, or overtaken: the newer command stays in force
+            return "answered_before"  # a repeat, or overtaken: the newer command stays active
         return ""
 
     def accept(self, stamp_ns: int) -> None:
-        """Note a command that `refuses` had nothing against."""
+        """Register a command that `refuses` accepted."""
         self._last_stamp_ns = stamp_ns
         self._fresh_in_a_row += 1
         if self._fresh_in_a_row >= FRESH_COMMANDS_TO_RESUME:
@@ -83,7 +83,7 @@ class Watchdog:
 
 
 class RealtimeMode:
-    """Periods by the wall clock; the last command stays in force while it is fresh."""
+    """Periods by the wall clock; the last command stays active while it is fresh."""
 
     waits = False
 
@@ -95,7 +95,7 @@ class RealtimeMode:
         watchdog: Watchdog,
         stop_ns: int,
     ) -> None:
-        """Start holding: commands drive the robot after a few fresh ones in a row."""
+        """Start holding: commands drive the robot after a few consecutive fresh ones."""
         self.paused = False
         self.tick_period = cycle.period_ns * 1e-9
         self.watchdog = watchdog
@@ -108,11 +108,11 @@ class RealtimeMode:
         self._torque: Array | None = None
 
     def diagnostics(self) -> dict[str, object]:
-        """Whether the robot is held, and periods that the machine was too late for."""
+        """Whether the robot is held, and periods that were dropped."""
         return {"holding": self.watchdog.holding, "dropped_periods": self._pacer.overruns}
 
     def command(self, stamp_ns: int, torque: Array) -> str:
-        """Keep the command for the periods to come, if it answers a recent state."""
+        """Use the command for the next periods if it answers a recent state."""
         refused = self.watchdog.refuses(stamp_ns, self._cycle.time_ns)
         if not refused:
             self.watchdog.accept(stamp_ns)
@@ -120,7 +120,7 @@ class RealtimeMode:
         return refused
 
     def tick(self) -> None:
-        """Simulate the periods that the wall clock asks for."""
+        """Simulate the periods due by the wall clock."""
         now = time.monotonic()
         if self.paused or self._cycle.run_ns >= self._stop_ns:
             self._pacer.restart(now)

@@ -1,4 +1,5 @@
-"""The bridge's fast messages beside joint states, as numbers (see ghc_controller.ros.wire.cdr).
+"""The bridge's fast messages other than joint states, as numbers (see
+ghc_controller.ros.wire.cdr).
 
 Odometry:      stamp | frame_id | child_frame_id | position, quaternion xyzw, covariance (36)
                | linear and angular velocity, covariance (36)
@@ -41,7 +42,7 @@ class WrenchEncoder:
 
 
 class OdometryEncoder:
-    """Serialized Odometry of one floating base; covariances are zero: the truth is known."""
+    """Serialized Odometry of one floating base; covariances are zero: the state is exact."""
 
     def __init__(self, frame_id: str, child_frame_id: str) -> None:
         """Lay out the message."""

@@ -10,7 +10,7 @@ import numpy as np
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.references.follower import ReferenceSpace
 from ghc_controller.robot.robot import Robot
-from ghc_controller.tasks.frame_avoidance import FrameAvoidanceTask
+from ghc_controller.tasks.python.frame_avoidance import FrameAvoidanceTask
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array
 

@@ -1,1 +1,1 @@
-"""Figures and films from analyses."""
+"""Figures and animations from analyses."""

@@ -1,4 +1,4 @@
-"""A run as moving pictures: the robot with its targets, beside task errors and joint torques."""
+"""Animation of a run: the robot with its targets, next to task errors and joint torques."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from ghc_sim_bridge.simulation.rendering import Marker, Picture, Renderer
 ARM_SIZE = (380, 360)  # [pixel]
 PLOT_SIZE = (400, 360)  # [pixel]
 CAPTION_HEIGHT = 40  # [pixel]
-CLOSER = 0.8  # of the camera's distance: the frame is narrower than that of a picture
+CLOSER = 0.8  # of the camera's distance, since the frame is narrow
 TEXT_HEIGHT = 16  # [pixel]
-PALETTE = 96  # colours of the file
+PALETTE = 96  # colors of the file
 _DPI = 100
 _LEAST_ERROR = 1e-6  # [m] or [rad] lower end of the axis
 _GREY = "#404040"
@@ -32,10 +32,10 @@ _GREY = "#404040"
 def frames(
     analysis: Analysis, scene: SceneDescription, step: float, *, plots: bool = True
 ) -> Iterator[Picture]:
-    """One picture every `step` [s] of simulated time; raises RenderingUnavailable.
+    """One frame every `step` [s] of simulated time; raises RenderingUnavailable.
 
     Args:
-        plots: errors and torques beside the robot; False = the robot alone.
+        plots: errors and torques next to the robot; False = the robot only.
     """
     beside = _Plots(analysis) if plots else None
     camera = _closer(scene.camera) if plots else scene.camera
@@ -52,7 +52,7 @@ def frames(
 
 
 def save_gif(pictures: Sequence[Picture], file: Path, period: float) -> None:
-    """Write an endless GIF, `period` [s] a picture, with one palette for all pictures."""
+    """Write a looping GIF, `period` [s] per frame, with one palette for all frames."""
     sample = np.vstack(pictures[:: max(1, len(pictures) // 8)])
     palette = Image.fromarray(sample).quantize(PALETTE, dither=Image.Dither.NONE)
     images = [
@@ -76,7 +76,7 @@ def _closer(camera: Camera) -> Camera:
 
 
 def _targets(analysis: Analysis, time: float) -> list[Marker]:
-    """A ball in the task's colour at each reference that is a point of the world."""
+    """A ball in the task's color at each Cartesian position reference."""
     history = analysis.history
     row = min(int(np.searchsorted(history.time, time)), len(history.time) - 1)
     markers = []
@@ -88,7 +88,7 @@ def _targets(analysis: Analysis, time: float) -> list[Marker]:
 
 
 def _caption(analysis: Analysis, time: float) -> Picture:
-    """Time and the hierarchy in force, each task in its colour."""
+    """Time and the current hierarchy, each task in its color."""
     image = Image.new("RGB", (ARM_SIZE[0] + PLOT_SIZE[0], CAPTION_HEIGHT), "white")
     draw = ImageDraw.Draw(image)
     font = ImageFont.load_default(TEXT_HEIGHT)
@@ -107,20 +107,20 @@ def _caption(analysis: Analysis, time: float) -> Picture:
 
 
 class _Plots:
-    """Errors above torques, with a line at the present time."""
+    """Errors above torques, with a line at the current time."""
 
     def __init__(self, analysis: Analysis) -> None:
         self._picture, self._left, self._right = _plots(analysis)
 
     def at(self, share: float) -> Picture:
-        """The plots with the line at a share of the run's duration."""
+        """The plots with the line at a fraction of the run's duration."""
         picture = self._picture.copy()
         picture[:, round(self._left + (self._right - self._left) * share)] = (90, 90, 90)
         return picture
 
 
 def _plots(analysis: Analysis) -> tuple[Picture, int, int]:
-    """Errors above torques, and where time zero and the end lie [pixel]."""
+    """Errors above torques, and the positions of time zero and the end [pixel]."""
     with styled():
         figure = new_figure(PLOT_SIZE[0] / _DPI, PLOT_SIZE[1] / _DPI)
         errors, torques = figure.subplots(2, 1, sharex=True)
@@ -128,7 +128,7 @@ def _plots(analysis: Analysis) -> tuple[Picture, int, int]:
             _draw_error(errors, analysis, index, task)
         errors.set_yscale("log")
         errors.set_ylim(_LEAST_ERROR, 10.0)
-        errors.legend(  # above the axes: no curve runs there
+        errors.legend(  # above the axes, to cover no curve
             loc="lower center",
             bbox_to_anchor=(0.5, 0.97),
             ncols=3,

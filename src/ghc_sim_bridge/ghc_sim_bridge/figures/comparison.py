@@ -1,4 +1,4 @@
-"""Figures that compare several runs: jerk (figure 5), torque rates, torques, figure 11."""
+"""Figures that compare runs: jerk (figure 5), torque rates, torques, task errors (figure 11)."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _AROUND = (-0.5, 3.0)  # [s] of a switch
 
 
 def jerk_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]]) -> Figure:
-    """Integral of |jerk| over the phases, one curve a run (figure 5 of the GHC paper).
+    """Integral of |jerk| over the phases, one curve per run (figure 5 of the GHC paper).
 
-    The phases of a run that switches at once are shorter, so the axis counts phases.
+    The axis counts phases, since those of runs that switch at once are shorter.
     """
     with styled():
         figure = new_figure(9.0, 4.0)
@@ -49,7 +49,7 @@ def jerk_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]]) -> Figure:
 
 
 def rate_comparison(summaries: Mapping[str, Summary]) -> Figure:
-    """Largest torque rate of each phase, one bar a run."""
+    """Largest torque rate of each phase, one bar per run."""
     with styled():
         figure = new_figure(9.0, 3.6)
         ax = figure.subplots()
@@ -69,7 +69,7 @@ def rate_comparison(summaries: Mapping[str, Summary]) -> Figure:
 
 
 def torque_comparison(runs: Mapping[str, tuple[Summary, FullRateLog]], phase: int = 1) -> Figure:
-    """Applied joint torques around the switch to a phase, one panel a run on the same axes."""
+    """Applied joint torques around the switch to a phase, one panel per run on shared axes."""
     with styled():
         figure = new_figure(9.0, 3.0)
         panels = np.atleast_1d(figure.subplots(1, len(runs), sharex=True, sharey=True))
@@ -115,7 +115,7 @@ def variants_comparison(analyses: Mapping[str, Analysis]) -> Figure:
 
 
 def _phase_axis(time: Array, phases: Sequence[Mapping[str, Any]]) -> Array:
-    """Times [s] as phases done: 1.5 = half of the second phase is over."""
+    """Times [s] as completed phases: 1.5 = half of the second phase is over."""
     edges = [phases[0]["t_start"], *(phase["t_end"] for phase in phases)]
     return np.interp(time, edges, np.arange(len(edges)))
 

@@ -1,4 +1,4 @@
-"""A run as one picture: frames of the motion side by side, each with its time."""
+"""Filmstrip of a run: frames side by side, each with its time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.scene.values import SceneDescription
 from ghc_sim_bridge.simulation.rendering import Picture, Renderer, filmstrip, save_png
 
-FRAMES = 6  # of a strip, when no times are given
+FRAMES = 6  # default number of frames
 FRAME_SIZE = (300, 360)  # [pixel]
 _TEXT_HEIGHT = 18  # [pixel]
 _MARGIN = 8  # [pixel]
@@ -26,11 +26,11 @@ def log_filmstrip(
     size: tuple[int, int] = FRAME_SIZE,
     columns: int | None = None,
 ) -> Picture:
-    """Frames of a log at some times [s], `columns` in a row; evenly spread when none are given.
+    """Frames of a log at given times [s], `columns` per row; evenly spaced by default.
 
     Raises:
         InvalidValue: the log is empty.
-        RenderingUnavailable: the machine has no OpenGL that works without a window.
+        RenderingUnavailable: off-screen OpenGL is not available.
     """
     if len(log.time) == 0:
         raise InvalidValue("the log is empty: there is nothing to draw")

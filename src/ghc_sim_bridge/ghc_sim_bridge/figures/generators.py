@@ -1,4 +1,4 @@
-"""One figure of two runs, without and with smoothed bounds (thesis, figures 4.10, 5.12, 5.13)."""
+"""Figure of two runs with raw and smoothed bounds (thesis, figures 4.10, 5.12, 5.13)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ghc_sim_bridge.analysis.generator_analysis import GeneratorAnalysis
+from ghc_sim_bridge.analysis.limit_history import LimitHistory
 from ghc_sim_bridge.analysis.metrics import torque_jumps
 from ghc_sim_bridge.analysis.task_errors import TaskHistory
 from ghc_sim_bridge.colors import BOUND, MEASURED, SHOWN
@@ -17,7 +18,7 @@ _SMALLEST_RATE = 1e-1  # [Nm/s] lower end of the logarithmic axis
 
 
 def generator_figure(off: GeneratorAnalysis, on: GeneratorAnalysis) -> Figure:
-    """Bounds with what obeys them, joint torques, torque rates; one column a run."""
+    """Bounds and bounded quantities, joint torques, torque rates; one column per run."""
     rows = [
         *((_draw_force, name) for name in on.forces),
         *((_draw_distance, name) for name in on.distances),
@@ -56,8 +57,8 @@ def _draw_force(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
         return
     time, values = run.series.time, run.series.contacts[name]
     ax.plot(run.analysis.log.time, run.forces[name], color=MEASURED, lw=0.8, label="simulated")
-    ax.plot(time, values[:, FORCE], color=SHOWN, lw=1.4, label="asked by the QP")
-    ax.plot(time, values[:, UPPER], color=BOUND, ls="--", lw=1.0, label="bounds in force")
+    ax.plot(time, values[:, FORCE], color=SHOWN, lw=1.4, label="commanded (QP)")
+    ax.plot(time, values[:, UPPER], color=BOUND, ls="--", lw=1.0, label="current bounds")
     ax.plot(time, values[:, LOWER], color=BOUND, ls="--", lw=1.0)
     largest = float(np.nanmax(values[:, FORCE], initial=1.0))
     ax.set_ylim(-0.08 * largest, 1.5 * largest)
@@ -80,6 +81,9 @@ def _draw_limit(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
     if name not in run.limits:
         return
     history, joint = run.limits[name], name.split("/", 1)[1]
+    if history.unit == "m":
+        _draw_margin(ax, history, joint)
+        return
     what = "position" if history.unit == "rad" else "torque"
     for side, (raw, moving) in ((UPPER, ("raw", "in force")), (LOWER, (None, None))):
         edges = history.raw[:, side]
@@ -88,6 +92,15 @@ def _draw_limit(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
         ax.plot(history.time, limit, color=colour(1), ls="--", lw=1.0, label=moving)
     ax.plot(history.time, history.value, color=colour(0), label=what)
     ax.set_ylabel(f"{what} of\n{joint} [{history.unit}]")
+
+
+def _draw_margin(ax: Axes, history: LimitHistory, name: str) -> None:
+    raw, margin = history.raw[:, LOWER], history.limits[:, LOWER]
+    ax.step(history.time, raw, color="#BBBBBB", lw=2.5, where="post", label="raw margin")
+    ax.plot(history.time, margin, color=colour(1), ls="--", lw=1.0, label="margin in force")
+    ax.plot(history.time, history.value, color=colour(0), label="least distance")
+    ax.set_ylim(min(0.0, float(history.value.min())) - 0.02, 1.6 * float(history.value.max()))
+    ax.set_ylabel(f"distance of\n{name} [m]")
 
 
 def _draw_path(ax: Axes, run: GeneratorAnalysis, name: str) -> None:
@@ -132,7 +145,7 @@ def _mark_events(ax: Axes, run: GeneratorAnalysis) -> None:
 
 
 def _moving(run: GeneratorAnalysis) -> list[TaskHistory]:
-    """Tasks of positions that follow a path, in runs with obstacles."""
+    """Position tasks with a moving reference, in runs with obstacles."""
     if not run.distances:
         return []
     return [

@@ -1,4 +1,4 @@
-"""Joints and their jerk of one run (GHC paper, figures 5 and 6)."""
+"""Joint motion and jerk of one run (GHC paper, figures 5 and 8)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _PANEL = 2.2  # [inch] height of a panel
 def joints_figure(analysis: Analysis) -> Figure:
     """Velocities and torques with their bounds, and the torque rate (figure 8).
 
-    Joints that slide have panels of their own, in m/s and N.
+    Prismatic joints have separate panels, in m/s and N.
     """
     log, limits, history = analysis.log, analysis.limits, analysis.history
     turning, sliding = joints_by_kind(analysis)
@@ -82,7 +82,7 @@ _TURNING, _SLIDING = _Units("rad/s", "Nm", "torque"), _Units("m/s", "N", "force"
 
 
 def joints_by_kind(analysis: Analysis) -> tuple[list[int], list[int]]:
-    """Places in the log of joints that turn, and of those that slide."""
+    """Indices in the log of revolute joints, and of prismatic joints."""
     model = analysis.robot.model
     turns = np.abs(model.angular_axes()[:, model.nv - model.na :]).max(axis=0) > 0.0
     of_log = [bool(turns[model.joint_index(name)]) for name in analysis.log.joint_names]
@@ -93,7 +93,7 @@ def joints_by_kind(analysis: Analysis) -> tuple[list[int], list[int]]:
 
 
 def _legend_columns(names: Sequence[str]) -> int:
-    """As many columns as have room side by side."""
+    """Number of legend columns that fit side by side."""
     return max(1, min(len(names), _LEGEND_WIDTH // (max(map(len, names)) + 6)))
 
 
@@ -103,7 +103,7 @@ def _line(index: int) -> Line2D:
 
 
 def _draw_joints(ax: Axes, time: Array, values: Array, joints: Sequence[int]) -> None:
-    """Curves of some joints, each in its color; `values` (S, n)."""
+    """Draw the curves of some joints, each in its color; `values` (S, n)."""
     for joint in joints:
         ax.plot(time, values[:, joint], color=colour(joint), linestyle=dashes(joint))
 
@@ -143,7 +143,7 @@ def jerk_figure(analysis: Analysis) -> Figure:
 
 
 def _draw_bounds(ax: Axes, values: Array, bound: Array) -> None:
-    """Bounds that are in sight as lines; of the others only how near the values come."""
+    """Draw bounds near the values as lines; for others, note how close the values come."""
     reach = np.abs(values).max(axis=0)
     tight = float(bound.min())
     if np.allclose(bound, tight) and tight <= 2.0 * reach.max():

@@ -1,10 +1,11 @@
-"""Figures of one run, in the manner of the GHC paper's figures 2 to 10."""
+"""Figures of one run, similar to figures 2 to 10 of the GHC paper."""
 
 from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ghc_sim_bridge.analysis.analysis import Analysis
 from ghc_sim_bridge.analysis.task_errors import TaskHistory
@@ -23,7 +24,7 @@ from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 
 
 def run_figures(analysis: Analysis, trace: ControllerTrace) -> dict[str, Figure]:
-    """All figures that a run has data for, by the stem of their file."""
+    """All figures for the available data of a run, by file stem."""
     with styled():
         figures = {
             "tasks": tasks_figure(analysis, trace),
@@ -40,7 +41,7 @@ def run_figures(analysis: Analysis, trace: ControllerTrace) -> dict[str, Figure]
 
 
 def path_figure(analysis: Analysis, task: TaskHistory) -> Figure:
-    """Desired and resulting path of a frame while its task is on top (figure 6)."""
+    """Desired and actual path of a frame while its task has the highest priority (figure 6)."""
     on_top = np.zeros(len(analysis.history.time), dtype=bool)
     for planned in analysis.plan.phases:
         if planned.phase.hierarchy.startswith(task.name):
@@ -57,6 +58,7 @@ def path_figure(analysis: Analysis, task: TaskHistory) -> Figure:
         ax.plot(shown[:, i], shown[:, j], color=colour(1), lw=1.2, label="resulting")
         ax.set_xlabel(f"{'xyz'[i]} [m]")
         ax.set_ylabel(f"{'xyz'[j]} [m]")
+        ax.xaxis.set_major_locator(MaxNLocator(5))  # avoid overlapping labels
         ax.set_aspect("equal", adjustable="datalim")
     axes[0].legend(loc="upper left")
     largest = float(task.error[on_top].max(initial=0.0))
@@ -96,14 +98,14 @@ def force_figure(analysis: Analysis, trace: ControllerTrace, task: TaskHistory) 
 
 
 def _draw_forces(ax: Axes, analysis: Analysis, task: TaskHistory) -> None:
-    """Axes under force control: what was desired, and every sample of what resulted."""
+    """Axes under force control: desired and measured forces."""
     assert task.desired_force is not None and task.contact is not None
     log = analysis.log
     for axis, name in enumerate("xyz"):
         desired = task.desired_force[:, axis]
         if np.abs(desired).max() == 0.0:
             continue
-        force = -log.wrenches[task.contact][:, axis]  # the log has that on the robot
+        force = -log.wrenches[task.contact][:, axis]  # the log stores the force on the robot
         ax.plot(log.time, force, color=colour(2), lw=1.0, label=f"resulting, {name}")
         ax.plot(
             analysis.history.time,

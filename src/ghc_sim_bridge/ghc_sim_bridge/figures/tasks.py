@@ -21,7 +21,7 @@ from ghc_sim_bridge.figures.style import (
 from ghc_sim_bridge.logs.controller_trace import ControllerTrace
 
 _SMALLEST_ERROR = 1e-8  # lower end of logarithmic axes
-_MANY_TASKS = 4  # more of them: only priorities that change are drawn
+_MANY_TASKS = 4  # with more tasks, only changing priorities are drawn
 
 
 def tasks_figure(analysis: Analysis, trace: ControllerTrace) -> Figure:
@@ -56,9 +56,9 @@ def tasks_figure(analysis: Analysis, trace: ControllerTrace) -> Figure:
 
 
 def alpha_panels(trace: ControllerTrace) -> list[list[tuple[int, int]]]:
-    """One panel for each pair of tasks, and one for the removals where there are any.
+    """One panel per pair of tasks, and one for removals, if any.
 
-    Of many tasks only those whose priority changes; the first pair where nothing does.
+    With many tasks only pairs whose priority changes; the first pair if none does.
     """
     alpha = trace.alpha_over_time()
     count = len(trace.tasks)
@@ -91,7 +91,7 @@ def draw_alphas(
 
 
 def _draw_errors(ax: Axes, analysis: Analysis) -> None:
-    """Errors on linear axes: metres at the left, radians at the right."""
+    """Errors on linear axes: meters on the left, radians on the right."""
     tasks = analysis.history.tasks
     angles = ax.twinx() if any(task.unit == "rad" for task in tasks) else None
     for index, task in enumerate(tasks):

@@ -1,4 +1,4 @@
-"""One column a way to let a contact go: force, torques, torque rates (thesis, 5.15 and 5.16)."""
+"""Figure of strategies to release a contact, one per column (thesis, figures 5.15 and 5.16)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _REACH = 1.5  # [s] shown before and after the events
 
 
 def ways_figure(ways: Mapping[str, GeneratorAnalysis]) -> Figure:
-    """Normal force of the first contact with a schedule, if there is one; the watched joints."""
+    """Normal force of the first contact with a schedule, if any; torques of the watched joints."""
     plan = next(iter(ways.values())).analysis.plan
     contacts = [_scheduled_contact(run) for run in ways.values()]
     contact = next((name for name in contacts if name is not None), None)
@@ -54,7 +54,7 @@ def ways_figure(ways: Mapping[str, GeneratorAnalysis]) -> Figure:
 
 
 def _scheduled_contact(run: GeneratorAnalysis) -> str | None:
-    """The first contact with a schedule; None where the scenario has no schedules."""
+    """The first contact with a schedule; None if the scenario has no schedules."""
     schedules = run.analysis.plan.scenario.contact_schedules
     return schedules[0].contact if schedules else None
 
@@ -65,7 +65,7 @@ def _draw_force(ax: Axes, run: GeneratorAnalysis) -> None:
         return
     time, values = run.series.time, run.series.contacts[name]
     ax.plot(run.analysis.log.time, run.forces[name], color=MEASURED, lw=0.8, label="simulated")
-    ax.plot(time, values[:, FORCE], color=SHOWN, lw=1.4, label="asked by the QP")
+    ax.plot(time, values[:, FORCE], color=SHOWN, lw=1.4, label="commanded (QP)")
     ax.plot(time, values[:, UPPER], color=BOUND, ls="--", lw=1.0, label="upper bound")
 
 

@@ -1,1 +1,1 @@
-"""What a run leaves: full-rate log and series of controller states."""
+"""Logs of a run: full-rate log and series of controller states."""

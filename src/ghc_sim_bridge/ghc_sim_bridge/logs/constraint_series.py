@@ -1,4 +1,4 @@
-"""The bounds and obstacles that the controller obeyed over a run, as arrays and as a file."""
+"""Bounds and obstacles used by the controller over a run, as arrays and as a file."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ SAFE_DISTANCE = 12
 
 @dataclass(frozen=True, slots=True)
 class ConstraintSeries:
-    """S reports; a row is NaN where the controller had no such bound or obstacle."""
+    """S samples; rows are NaN where the controller had no such bound or obstacle."""
 
     time: Array  # (S,) [s] simulated
-    contacts: Mapping[str, Array]  # name -> (S, 3) lower, upper, force asked for [N]
+    contacts: Mapping[str, Array]  # name -> (S, 3) lower, upper, commanded force [N]
     obstacles: Mapping[str, Array]  # id -> (S, 13) position [m], velocity, acceleration, normal,
     #                                 safe distance [m]; world axes
-    frames: Mapping[str, str]  # id -> frame that it threatens
+    frames: Mapping[str, str]  # id -> protected frame
     # "joint_limits/joint_1" or "torque_limits/.." -> (S, 2) lower, upper [rad] or [Nm]
     limits: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def is_empty(self) -> bool:
-        """True when the controller had neither bounds nor obstacles."""
+        """True if the controller had neither bounds nor obstacles."""
         return not (self.contacts or self.obstacles or self.limits)
 
     def save(self, path: Path) -> None:
@@ -49,7 +49,7 @@ class ConstraintSeries:
 
     @classmethod
     def load(cls, path: Path) -> ConstraintSeries:
-        """Read what `save` wrote. Raises ConfigurationError: missing, or not such a file."""
+        """Read a file written by `save`. Raises ConfigurationError if it is missing or invalid."""
         try:
             with np.load(path, allow_pickle=False) as data:
                 return cls(
@@ -64,7 +64,7 @@ class ConstraintSeries:
 
 
 class ConstraintTrace:
-    """Collects the messages of `controller_state` into a series."""
+    """Collects `controller_state` messages into a series."""
 
     def __init__(self) -> None:
         self._time: list[float] = []
@@ -74,12 +74,14 @@ class ConstraintTrace:
         self._limits: dict[str, dict[int, list[float]]] = {}
 
     def append(self, time: float, state: Any) -> None:
-        """Add one ControllerState at `time` [s], later than the ones before."""
+        """Add one ControllerState at `time` [s], increasing."""
         row = len(self._time)
         self._time.append(time)
         for contact in state.contacts:
             if contact.planned:
-                values = [contact.lower, contact.upper, contact.force]
+                # Planned, but not felt yet: the QP holds its force at 0, whatever the plan allows.
+                bounds = [contact.lower, contact.upper] if contact.on else [0.0, 0.0]
+                values = [*bounds, contact.force]
                 self._contacts.setdefault(contact.name, {})[row] = values
         for entry in state.obstacles:
             self._frames[entry.id] = entry.protected_frame
@@ -96,7 +98,7 @@ class ConstraintTrace:
             self._limits.setdefault(name, {})[row] = [bound.lower, bound.upper]
 
     def series(self) -> ConstraintSeries:
-        """What has been collected."""
+        """The collected series."""
         count = len(self._time)
         return ConstraintSeries(
             time=np.array(self._time),

@@ -1,4 +1,4 @@
-"""QP contact forces of a run, next to the simulated ones."""
+"""QP contact forces of a run compared with the simulated ones."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ import numpy as np
 from ghc_controller.types import Array
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 
-CARRIES = 5.0  # [N] of normal force: below it the simulated share of friction says little
+CARRIES = 5.0  # [N] normal force below which the simulated friction ratio is meaningless
 _SAME_TIME = 1e-6  # [s]
 
 
 @dataclass(frozen=True, slots=True)
 class ContactSurface:
-    """What a load is measured against."""
+    """Normal and friction of a contact."""
 
-    normal: Array  # (3,) unit, as the surroundings push; world axes
-    friction: float  # [-] that the controller counts on; 0 = none
+    normal: Array  # (3,) unit, direction of the force on the robot; world axes
+    friction: float  # [-] coefficient assumed by the controller; 0 = none
 
 
 @dataclass(frozen=True, slots=True)
 class LoadFigures:
-    """One contact over the reports in which it was on."""
+    """Statistics of one contact over the samples in which it was active."""
 
     share_of_time_on: float  # [-]
     asked_n: tuple[float, float]  # [N] smallest and largest normal force of the QP
@@ -37,7 +37,7 @@ class LoadFigures:
 
 
 class LoadTrace:
-    """Collects the contacts of `controller_state`."""
+    """Collects contacts from `controller_state` messages."""
 
     def __init__(self) -> None:
         self._reports = 0
@@ -54,7 +54,7 @@ class LoadTrace:
     def figures(
         self, log: FullRateLog, surfaces: Mapping[str, ContactSurface]
     ) -> dict[str, LoadFigures]:
-        """Figures of every contact that was ever on and whose wrench is in the log."""
+        """Statistics of every contact that was active and whose wrench was logged."""
         return {
             name: load_figures(log, log.wrenches[name], surfaces[name], loads, self._reports)
             for name, loads in self._loads.items()
@@ -69,9 +69,9 @@ def load_figures(
     loads: Sequence[tuple[float, float, float]],
     reports: int,
 ) -> LoadFigures:
-    """Figures of a contact: `wrench` (T, 6) at the log's times, `loads` = (time, F_n, use).
+    """Statistics of a contact: `wrench` (T, 6) at the log's times, `loads` = (time, F_n, use).
 
-    The force asked for at t acts over the period that follows, and is sensed at its end.
+    The force commanded at t acts over the next period and is measured at its end.
     """
     time, asked, use = np.array(loads).T
     rows = np.minimum(np.searchsorted(log.time, time - _SAME_TIME) + 1, len(log.time) - 1)

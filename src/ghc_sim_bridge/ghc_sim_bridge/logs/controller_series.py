@@ -1,4 +1,4 @@
-"""What the controller reported over a run, as arrays, read back from a recording."""
+"""Controller status over a run as arrays, read from a recording."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SCHEMA = "ghc_msgs/msg/ControllerState"
 
 @dataclass(frozen=True, slots=True)
 class ControllerSeries:
-    """S reports of k tasks."""
+    """S samples for k tasks."""
 
     tasks: tuple[str, ...]
     time: Array  # (S,) [s] simulated
@@ -29,12 +29,12 @@ class ControllerSeries:
 
     @classmethod
     def from_recording(cls, path: Path) -> ControllerSeries:
-        """Read the controller's reports of a bag folder or an MCAP file, also one that was cut.
+        """Read the controller status from a bag folder or an MCAP file, also a truncated one.
 
-        The name of the topic does not matter; the first one of the type is read.
+        Reads the first topic of the type, regardless of its name.
 
         Raises:
-            ConfigurationError: it cannot be read, or holds no report.
+            ConfigurationError: it cannot be read, or contains no status.
         """
         reports = _reports(path)
         if not reports:
@@ -43,7 +43,7 @@ class ControllerSeries:
 
     @classmethod
     def from_reports(cls, reports: list[Any], time: Array) -> ControllerSeries:
-        """Arrays of ControllerState messages at `time` (S,) [s], all with the same tasks."""
+        """Arrays of ControllerState messages at `time` (S,) [s]; the tasks must not change."""
         tasks = tuple(task.name for task in reports[0].tasks)
         k = len(tasks)
         return cls(
@@ -63,7 +63,7 @@ class ControllerSeries:
 
 
 def _reports(path: Path) -> dict[int, Any]:
-    """Stamp [ns] -> report; of a state that was answered twice, the first one."""
+    """Stamp [ns] -> status; the first one for a state that was answered twice."""
     reports: dict[int, Any] = {}
     first = ""
     for topic, _, report in read_messages(path, SCHEMA):

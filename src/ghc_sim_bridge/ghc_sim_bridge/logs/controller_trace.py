@@ -1,4 +1,4 @@
-"""What the controller reported over one run."""
+"""Controller status over one run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ghc_sim_bridge.logs.contact_loads import LoadTrace
 
 @dataclass(slots=True)
 class ControllerTrace:
-    """The messages of `controller_state`, k tasks, one entry a message."""
+    """Values of `controller_state` messages for k tasks, one entry per message."""
 
     tasks: tuple[str, ...] = ()
     time: list[float] = field(default_factory=list)  # [s] simulated

@@ -1,4 +1,4 @@
-"""Every control period of a run in memory, written as one .npz: what figures are computed from."""
+"""Log of every control period of a run, in memory and as an .npz file, for analysis."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.types import Array
 
-INITIAL_ROWS = 1 << 14  # doubled when full, so that a cycle rarely pays for growing
+INITIAL_ROWS = 1 << 14  # doubled when full, so that few cycles allocate
 WRENCH_PREFIX = "wrench_"
 _VECTORS = ("q", "v", "acceleration", "torque", "commanded")
 _BASE = {"base_pose": 7, "base_velocity": 6}
 
 
 class Source(IntEnum):
-    """Where the applied torque of a row came from."""
+    """Origin of the applied torque of a row."""
 
     COMMAND = 0
     HOLD = 1
-    GATED = 2  # a command that had to be brought inside the limits
+    GATED = 2  # a command clipped to the limits
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +38,10 @@ class FullRateLog:
     v: Array  # (T, n) [rad/s]
     acceleration: Array  # (T, n) [rad/s^2] at t_k under that torque
     torque: Array  # (T, n) [Nm] applied
-    commanded: Array  # (T, n) [Nm] asked for; NaN while holding
+    commanded: Array  # (T, n) [Nm]; NaN while holding
     source: NDArray[np.uint8]  # (T,) a Source
     epoch: NDArray[np.uint32]  # (T,) count of resets
-    cycle_time: Array  # (T,) [s] wall time since the row before
+    cycle_time: Array  # (T,) [s] wall time since the previous row
     wrenches: Mapping[str, Array]  # name -> (T, 6) [N, Nm] on the robot, world axes
     joint_names: tuple[str, ...]
     control_dt: float  # [s]
@@ -49,7 +49,7 @@ class FullRateLog:
     base_velocity: Array | None = None  # (T, 6) [m/s], [rad/s] in base axes
 
     def configuration(self, row: int, joint_names: Sequence[str] | None = None) -> Array:
-        """q (nq,) of the robot model at a row: base, if it floats, and joints in some order."""
+        """q (nq,) of the robot model at a row: base, if floating, and joints in a given order."""
         return _joined(self.base_pose, self.q, row, self._order(joint_names))
 
     def velocity(self, row: int, joint_names: Sequence[str] | None = None) -> Array:
@@ -62,10 +62,10 @@ class FullRateLog:
 
     @classmethod
     def load(cls, path: str | Path) -> FullRateLog:
-        """Read what FullRateLogBuffer.save wrote.
+        """Read a file written by FullRateLogBuffer.save.
 
         Raises:
-            ConfigurationError: the file is missing or is not such a log.
+            ConfigurationError: the file is missing or invalid.
         """
         try:
             with np.load(path, allow_pickle=False) as data:
@@ -94,7 +94,7 @@ def _joined(base: Array | None, joints: Array, row: int, order: list[int]) -> Ar
 
 
 class FullRateLogBuffer:
-    """Growing columns of one run."""
+    """Buffer that grows with the run."""
 
     def __init__(
         self,
@@ -119,7 +119,7 @@ class FullRateLogBuffer:
             for name, size in _BASE.items():
                 self._base[name] = slice(width, width + size)
                 width += size
-        # One table, so that a row is one stretch of memory and growing is one copy.
+        # One table: a row is contiguous in memory, and growing is one copy.
         self._rows = np.empty((INITIAL_ROWS, width))
         self._tags = np.empty((INITIAL_ROWS, 2), dtype=np.uint32)
         self._size = 0
@@ -138,7 +138,7 @@ class FullRateLogBuffer:
         base: Sequence[Array] = (),
     ) -> None:
         """Add a row; `vectors` are q, v, acceleration, torque, commanded, each (n,), and `base`
-        pose (7,) and velocity (6,) of one that floats."""
+        is pose (7,) and velocity (6,) of a floating base."""
         if self._size == len(self._rows):
             self._grow()
         row = self._rows[self._size]
@@ -178,11 +178,11 @@ class FullRateLogBuffer:
         return arrays
 
     def save(self, path: Path) -> None:
-        """Write the .npz so that a reader sees either the whole file or none of it."""
+        """Write the .npz atomically: readers see the complete file or none."""
         path.parent.mkdir(parents=True, exist_ok=True)
         draft = path.with_name(f".{path.name}.{os.getpid()}")
         with draft.open("wb") as file:
-            # Through a variable: numpy's hints take any keyword for its own options.
+            # Through a variable: numpy's type hints take keywords for its own options.
             save: Any = np.savez
             save(file, **self.columns())
         draft.replace(path)

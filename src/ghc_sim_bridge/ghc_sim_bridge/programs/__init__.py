@@ -1,1 +1,1 @@
-"""Programs that a user starts."""
+"""Command-line programs."""

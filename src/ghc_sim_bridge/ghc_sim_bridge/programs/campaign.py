@@ -1,8 +1,8 @@
-"""`campaign`: many runs of a humanoid's scenarios under seeded disturbances; how many stay up.
+"""`campaign`: runs humanoid scenarios under seeded disturbances and counts falls.
 
-Each run is a whole experiment over DDS, with the bridge's parameter `disturbance_seed`. The same
-seed disturbs the runs without and with generators alike. campaign.json is written anew after each
-run, so that a campaign that is interrupted keeps what it found.
+Each run is a complete experiment over DDS, with the bridge's parameter `disturbance_seed`. Runs
+without and with generators use the same disturbances. campaign.json is rewritten after each run,
+so that an interrupted campaign keeps its results.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _SIDES = (False, True)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; 0 = every run could be judged, 1 = not, 2 = wrong arguments or files."""
+    """Exit code: 0 = all runs evaluated, 1 = some failed, 2 = wrong arguments or files."""
     options = _parser().parse_args(arguments)
     return interruptible("campaign", partial(_run, options))
 
@@ -45,7 +45,7 @@ def disturbed_plan(scenario: str, generators: bool, seed: int, output: Path) -> 
 
 def _run(options: argparse.Namespace) -> int:
     try:
-        # A first look at every scenario: a wrong name shows before hours of runs.
+        # Load every scenario first: errors show before hours of runs.
         for scenario in options.scenarios:
             disturbed_plan(scenario, True, -1, options.output)
     except GhcError as error:
@@ -73,7 +73,7 @@ def _run(options: argparse.Namespace) -> int:
 def _nominal_height(scenario: str, output: Path) -> float:
     """Height of the base [m] at the end of the undisturbed run with generators."""
     plan = disturbed_plan(scenario, True, -1, output)
-    log, _ = _log_of(plan)
+    log, _, _ = _log_of(plan)
     if log.base_pose is None:
         raise ConfigurationError(f"robot '{plan.scenario.robot}' has no floating base to fall")
     return float(log.base_pose[-1, 2])
@@ -83,23 +83,25 @@ def _one(scenario: str, generators: bool, seed: int, nominal: float, output: Pat
     plan = disturbed_plan(scenario, generators, seed, output)
     status = RunStatus(scenario, generators, seed)
     try:
-        log, problem = _log_of(plan)
+        log, problem, fallback = _log_of(plan)
     except GhcError as error:
         return replace(status, problem=" ".join(str(error).split())[:300])
-    status = judge(replace(status, problem=problem), log, nominal)
-    if status.stays_up and not problem:  # whoever falls can be looked at
+    status = replace(status, problem=problem, fallback_ticks=fallback)
+    status = judge(status, log, nominal)
+    if status.stays_up and not problem:  # keep failed runs for inspection
         shutil.rmtree(plan.folder)
     return status
 
 
-def _log_of(plan: RunPlan) -> tuple[FullRateLog, str]:
-    """The log of a run, and which nodes did not end in order: the motion counts all the same."""
-    # Late: a wrong name needs no ROS.
+def _log_of(plan: RunPlan) -> tuple[FullRateLog, str, int]:
+    """The log of a run, nodes with an abnormal exit (not a failure of the run), fallback ticks."""
+    # Imported late: checks of names need no ROS.
     from ghc_sim_bridge.ros.run_experiment import run_experiment
 
     outcome = run_experiment(plan)
     wrong = [f"{name} ended with {code}" for name, code in outcome.exit_codes.items() if code != 0]
-    return FullRateLog.load(outcome.log), ", ".join(wrong)
+    fallback = int(outcome.trace.counts.get("fallback_ticks") or 0)
+    return FullRateLog.load(outcome.log), ", ".join(wrong), fallback
 
 
 def _line(status: RunStatus) -> str:
@@ -108,7 +110,8 @@ def _line(status: RunStatus) -> str:
     return (
         f"{status.scenario}, generators {side}, seed {status.seed}: {ending} "
         f"(height {status.height:.3f} m, tilt {status.tilt:.3f} rad, "
-        f"largest torque rate {status.peak_torque_rate:.0f} Nm/s)"
+        f"largest torque rate {status.peak_torque_rate:.0f} Nm/s, "
+        f"{status.fallback_ticks} fallback ticks)"
     )
 
 
@@ -134,7 +137,7 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         default=Path("results/campaign"),
         metavar="DIR",
-        help="where everything goes (default: results/campaign)",
+        help="output folder (default: results/campaign)",
     )
     return parser
 

@@ -1,4 +1,4 @@
-"""`ros2 run ghc_sim_bridge check_robot robot.yaml`: a robot in both engines, side by side."""
+"""`ros2 run ghc_sim_bridge check_robot robot.yaml`: compares Pinocchio and MuJoCo on a robot."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ghc_controller.errors import GhcError
+from ghc_controller.robot.brakes import deceleration
 from ghc_controller.robot.library import load_robot
 from ghc_controller.robot.robot import Robot
 from ghc_controller.robot.urdf_text import parse_urdf, resource_path
@@ -18,13 +19,13 @@ from ghc_sim_bridge.scene.description import SceneDescription, load_scene
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 _SEED = 0
-_STATES = 5  # compared
+_STATES = 5  # number of compared states
 _SPREAD = 0.5  # [rad] or [m], [rad/s] or [m/s] of the states about the start
-_AGREE = 1e-6  # [-] of the largest entry, up to which the engines count as equal
+_AGREE = 1e-6  # [-] of the largest entry: tolerance between the engines
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0 = usable, 1 = something is wrong (said in one line each)."""
+    """Exit code: 0 = usable, 1 = problems found, one line each."""
     parser = argparse.ArgumentParser(prog="check_robot", description=__doc__.splitlines()[0])
     parser.add_argument("robot", help="name of a robot, or the path of a robot.yaml")
     parser.add_argument("--scene", help="name or path; left out = scene.yaml beside robot.yaml")
@@ -63,6 +64,13 @@ def describe(robot: Robot) -> Iterator[str]:
         ["joint", "lower [rad, m]", "upper", "velocity [1/s]", "torque [Nm, N]"],
         [[name, *(number(float(value), 3) for value in limits)] for name, *limits in rows],
     )
+    least = deceleration(model).least_held
+    weakest = int(np.argmin(least))
+    yield (
+        f"brake_acceleration {robot.brake_acceleration:g} rad/s^2; torque limits and gravity "
+        f"leave {least[weakest]:.3g} at least, to joint '{model.joint_names[weakest]}' while the "
+        "others keep their motion"
+    )
     yield "frames: " + ", ".join(model.frame_names)
     tasks = "\n".join(f"- {task.name}: {len(task.labels)} rows" for task in robot.tasks)
     yield f"hierarchy: {robot.hierarchy}\n{tasks}"
@@ -71,7 +79,7 @@ def describe(robot: Robot) -> Iterator[str]:
 
 
 def find_faults(robot: Robot, scene: SceneDescription | None) -> Iterator[str]:
-    """One line each: meshes that are missing, and where the engines differ."""
+    """Problems, one line each: missing meshes, differences between the engines."""
     yield from _missing_meshes(robot.urdf)
     if scene is None:
         return

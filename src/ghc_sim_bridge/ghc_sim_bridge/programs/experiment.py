@@ -1,22 +1,25 @@
-"""`experiment`: run a scenario with every node as a process of its own and write its results."""
+"""`experiment`: run a scenario with each node as a separate process and write its results."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 
 from ghc_controller.errors import GhcError
+from ghc_sim_bridge.run.folder_lock import folder_lock
 from ghc_sim_bridge.run.interrupts import interruptible
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.plan import MODES, RECORD_MODES, RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan, parse_parameter
 from ghc_sim_bridge.scenario.scenario import load_scenario, scenario_names
 
-# Choice -> whether generators smooth, run by run; without one first, None where there are none.
+# Choice -> one run per entry: whether generators smooth; raw bounds first, None = no generators.
 _SIDES: Mapping[str | None, tuple[bool | None, ...]] = {
     "on": (True,),
     "off": (False,),
@@ -26,7 +29,7 @@ _SIDES: Mapping[str | None, tuple[bool | None, ...]] = {
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; 0 = all went well, 1 = the run failed, 2 = wrong arguments or files."""
+    """Exit code: 0 = success, 1 = a run failed, 2 = wrong arguments or files."""
     options = _parser().parse_args(arguments)
     return interruptible("experiment", partial(_run, options))
 
@@ -61,6 +64,18 @@ def _run(options: argparse.Namespace) -> int:
     except GhcError as error:
         print(f"experiment: {error}", file=sys.stderr)
         return 2
+    try:
+        with ExitStack() as held:  # until the comparison is written
+            for plan in chain.from_iterable(plans):
+                held.enter_context(folder_lock(plan.folder))
+            return _run_all(first, plans)
+    except GhcError as error:
+        print(f"experiment: {error}", file=sys.stderr)
+        return 1
+
+
+def _run_all(first: Scenario, plans: Sequence[Sequence[RunPlan]]) -> int:
+    """Run all variants, compare them; exit code."""
     done = [_report(sides_of_one) for sides_of_one in plans]
     if len(plans) > 1 and all(done):
         if first.watched_joints and first.generators:
@@ -75,13 +90,13 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _sides_of(scenario: Scenario, sides: tuple[bool | None, ...]) -> tuple[bool | None, ...]:
-    """Without generators alone, where the scenario has another way to be smooth."""
+    """Raw bounds only, for variants with `raw_bounds_only`."""
     return (False,) if scenario.raw_bounds_only else sides
 
 
 def _report(plans: Sequence[RunPlan]) -> bool:
-    """Run one variant, on each side; whether it went well. Later ones do not depend on it."""
-    # Late: a wrong name needs no ROS.
+    """Run one variant with each choice of generators; returns whether all succeeded."""
+    # Imported late: checks of names need no ROS.
     from ghc_sim_bridge.programs.generator_comparison import compare_generators
     from ghc_sim_bridge.programs.report import run_and_report, went_well
 

@@ -1,4 +1,4 @@
-"""A scenario without and with smoothed bounds: comparison.json, a table, a figure."""
+"""Compares runs with raw and smoothed bounds: comparison.json, a table, a figure."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ghc_controller.previews.preview import BODY_MARGINS
 from ghc_sim_bridge.analysis.analysis import analyse_folder
 from ghc_sim_bridge.analysis.generator_analysis import (
     CONSTRAINTS,
@@ -28,7 +29,7 @@ Summary = Mapping[str, Any]
 def comparison(
     off: GeneratorAnalysis, on: GeneratorAnalysis, summaries: tuple[Summary, Summary]
 ) -> dict[str, Any]:
-    """Both runs side by side; `summaries` are theirs, without generators first."""
+    """Comparison of both runs; `summaries` and runs without generators first."""
     plan = on.analysis.plan
     pairs = zip(off.peaks, on.peaks, strict=True)
     times = ratios(off.peaks, on.peaks)
@@ -81,7 +82,7 @@ def comparison(
 
 
 def comparison_table(data: Mapping[str, Any]) -> str:
-    """The events of a comparison as text, and how the bounds were kept."""
+    """The events of a comparison and its bound violations as text."""
     period = 1e3 * data["control_dt_s"]
     head = ["event", "at [s]", f"torque rate off [Nm/s @ {period:g} ms]", "on", "ratio"]
     rows = [
@@ -99,14 +100,15 @@ def comparison_table(data: Mapping[str, Any]) -> str:
     for name, sides in data["obstacles"].items():
         lines += [f"obstacle {name}, generators {side}: {_way(v)}" for side, v in sides.items()]
     for name, sides in data["limits"].items():
-        lines += [f"{name}, generators {side}: {_limit(v)}" for side, v in sides.items()]
+        text = _margin if name.startswith(f"{BODY_MARGINS}/") else _limit
+        lines += [f"{name}, generators {side}: {text(v)}" for side, v in sides.items()]
     factors = data["real_time_factor"]
     lines.append(f"real time factor: off {factors['off']:.2f}, on {factors['on']:.2f}")
     return "\n".join(lines)
 
 
 def compare_generators(off: RunPlan, on: RunPlan, summaries: Sequence[Summary]) -> dict[str, Any]:
-    """Write comparison and figure of two runs that have been made, print the table."""
+    """Write comparison and figure of two finished runs, print the table."""
     analyses = [_from_folder(plan) for plan in (off, on)]
     data = comparison(analyses[0], analyses[1], (summaries[0], summaries[1]))
     folder = comparison_folder(on)
@@ -120,7 +122,7 @@ def compare_generators(off: RunPlan, on: RunPlan, summaries: Sequence[Summary]) 
 
 
 def comparison_folder(on: RunPlan) -> Path:
-    """Where the comparison goes: beside the default variant, else in a folder of its own."""
+    """Folder of the comparison: next to the default variant, else a separate one."""
     if on.is_default:
         return on.folder.parent
     return on.folder.with_name(on.folder.name.replace("generators_on", "generators_both"))
@@ -135,7 +137,8 @@ def _force(values: Mapping[str, float] | None) -> str:
     if values is None:
         return "no bounds"
     return (
-        f"QP beyond its bounds by at most {values['qp_violation']:.1e} N; simulated against asked "
+        f"QP beyond its bounds by at most {values['qp_violation']:.1e} N; "
+        "simulated against commanded "
         f"{values['difference_rms']:.2g} N rms, at most {values['difference_largest']:.2g} N; "
         f"simulated above the bound by at most {values['above_upper']:.2g} N"
     )
@@ -156,4 +159,13 @@ def _limit(values: Mapping[str, float] | None) -> str:
     return (
         f"limit looser than raw by at most {values['looser_than_raw']:.1e}; joint beyond the raw "
         f"limit by at most {values['beyond_raw']:.1e}"
+    )
+
+
+def _margin(values: Mapping[str, float] | None) -> str:
+    if values is None:
+        return "never followed"
+    return (
+        f"distance below the margin in force by at most {values['beyond_in_force']:.1e} m, below "
+        f"the raw one by {values['beyond_raw']:.1e} m"
     )

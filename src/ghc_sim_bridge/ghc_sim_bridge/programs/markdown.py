@@ -1,4 +1,4 @@
-"""Small pieces of Markdown: tables, numbers, pictures."""
+"""Markdown helpers: tables, numbers, figures."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from collections.abc import Sequence
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table; the first column is text, the others are numbers."""
+    """A table; the first column is left-aligned, the others are right-aligned."""
     marks = ["---", *["---:"] * (len(head) - 1)]
     return "\n".join("| " + " | ".join(row) + " |" for row in [head, marks, *rows])
 
 
 def picture(file: str, caption: str) -> str:
-    """A picture of docs/figures with its caption below."""
+    """A figure of docs/figures with its caption below."""
     return f"![{caption}](figures/{file})\n\n*{caption}*"
 
 
 def number(value: float | None, digits: int = 2) -> str:
-    """A number with few significant digits; a dash where there is none."""
+    """A number with few significant digits; a dash for None."""
     if value is None:
         return "–"
     if value == 0.0:

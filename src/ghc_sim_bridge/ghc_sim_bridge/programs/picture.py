@@ -1,4 +1,4 @@
-"""`picture`: a run that `experiment` left as an animation (GIF) or a strip of frames (PNG)."""
+"""`picture`: animation (GIF) or filmstrip (PNG) of a run recorded by `experiment`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SIDES = {None: None, "on": True, "off": False}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; 0 = written, 2 = wrong arguments or files, or no off-screen OpenGL."""
+    """Exit code: 0 = written, 2 = wrong arguments or files, or no off-screen OpenGL."""
     options = _parser().parse_args(arguments)
     try:
         scenario = load_scenario(options.scenario, options.variant)

@@ -1,4 +1,4 @@
-"""`repair_bag`: make a recording whole that was cut: the recorder killed, the disk full."""
+"""`repair_bag`: repair a truncated recording, after a killed recorder or a full disk."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ghc_sim_bridge.recorder.repair import repair_bag
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; 0 = repaired, 2 = wrong arguments or files."""
+    """Exit code: 0 = repaired, 2 = wrong arguments or files."""
     parser = argparse.ArgumentParser(
         prog="repair_bag", description="Rewrite a rosbag2 folder up to where it was cut."
     )

@@ -1,4 +1,4 @@
-"""A run and what is written and printed about it."""
+"""Executes a run; writes and prints its results."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from ghc_sim_bridge.figures.style import save_png
 from ghc_sim_bridge.logs.controller_series import ControllerSeries
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.ros.run_experiment import run_experiment
+from ghc_sim_bridge.run.folder_lock import folder_lock
 from ghc_sim_bridge.scenario.plan import RunPlan
 from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.viewer.recording import write_rerun
@@ -31,11 +32,15 @@ RECORDING = "recording"
 
 
 def run_and_report(plan: RunPlan) -> dict[str, Any]:
-    """Run a plan, write summary, figures and views of it, print the table of its phases.
+    """Run a plan, write its summary, figures and recordings, print the table of its phases.
 
-    Returns the summary. Raises GhcError when the run itself failed, or did something else than
-    what was scripted.
+    Returns the summary. Raises GhcError if the run failed or deviated from its script.
     """
+    with folder_lock(plan.folder):
+        return _run_and_report(plan)
+
+
+def _run_and_report(plan: RunPlan) -> dict[str, Any]:
     outcome = run_experiment(plan)
     analysis = analyse(plan, outcome.log, outcome.robot)
     check_references(analysis.history, outcome.trace)
@@ -61,7 +66,7 @@ def run_and_report(plan: RunPlan) -> dict[str, Any]:
 
 
 def _write_rerun(plan: RunPlan, log: FullRateLog, robot: Path) -> None:
-    """The run for the Rerun viewer; a disk that was full may have left no report to show."""
+    """Write the run for the Rerun viewer; skipped without reports, e.g. after a full disk."""
     try:
         series = ControllerSeries.from_recording(plan.folder / RECORDING)
     except ConfigurationError as error:
@@ -72,7 +77,7 @@ def _write_rerun(plan: RunPlan, log: FullRateLog, robot: Path) -> None:
 
 
 def _write_filmstrip(plan: RunPlan, log: FullRateLog) -> None:
-    """Filmstrip for mobile robots; an arm is better seen in an animation."""
+    """Filmstrip for mobile robots; arms are better shown by an animation."""
     if log.base_pose is None:
         return
     scene = load_scene(str(plan.parameters["sim_bridge"]["scene"]))
@@ -83,7 +88,7 @@ def _write_filmstrip(plan: RunPlan, log: FullRateLog) -> None:
 
 
 def link_default(folder: Path) -> None:
-    """Make the files and the recording of the default variant readable one folder higher."""
+    """Link the files and the recording of the default variant into the parent folder."""
     scenario = folder.parent
     for entry in scenario.iterdir():
         if entry.is_symlink():
@@ -99,7 +104,7 @@ def link_default(folder: Path) -> None:
 
 
 def compare_variants(plans: Sequence[RunPlan]) -> None:
-    """One figure over all variants of a scenario that were run, beside their folders."""
+    """One figure of all variants of a scenario that were run, next to their folders."""
     ordered = sorted(plans, key=lambda plan: plan.scenario.variant)
     analyses = {plan.scenario.variant: analyse_folder(plan) for plan in ordered}
     path = plans[0].folder.parent / "variants.png"
@@ -108,5 +113,5 @@ def compare_variants(plans: Sequence[RunPlan]) -> None:
 
 
 def went_well(summary: dict[str, Any]) -> bool:
-    """Whether every node ended in order."""
+    """Whether every node exited normally."""
     return all(code == 0 for code in summary["nodes"].values())

@@ -1,9 +1,9 @@
-"""JSON schemas of robot.yaml, scene and scenario files, written for editors.
+"""Writes JSON schemas of robot.yaml, scene and scenario files, for editors.
 
     python -m ghc_sim_bridge.programs.schemas [FOLDER]
 
-They come from the declarations that the readers use; kinds of tasks that other packages bring are
-in them where these are installed. A file names its schema in its first line:
+They are generated from the declarations of the readers, including task kinds of other installed
+packages. A file refers to its schema in its first line:
 
     # yaml-language-server: $schema=path/to/robot.schema.json
 """
@@ -43,7 +43,7 @@ def schemas() -> dict[str, JsonSchema]:
 
 
 def _with_variants(scenario: JsonSchema) -> JsonSchema:
-    """A variant changes fields of the file or takes them away (null): none is then required."""
+    """A variant changes or removes (null) fields of the file: none of its fields is required."""
     fields: dict[str, Any] = scenario["properties"]
     variant = {
         "type": "object",
@@ -61,7 +61,7 @@ def _with_variants(scenario: JsonSchema) -> JsonSchema:
         "type": "object",
         "additionalProperties": {"$ref": "#/definitions/variant"},
     }
-    del fields["phases"]["minItems"]  # may be empty above variants that give theirs
+    del fields["phases"]["minItems"]  # may be empty if all variants have their own
     changed = {name: value for name, value in scenario.items() if name != "required"}
     changed["properties"] = fields | {"variants": variants}
     changed["anyOf"] = [{"required": scenario["required"]}, {"required": ["variants"]}]
@@ -69,7 +69,7 @@ def _with_variants(scenario: JsonSchema) -> JsonSchema:
 
 
 def write(folder: Path) -> tuple[Path, ...]:
-    """Write all schemas into a folder, which is made; returns their paths."""
+    """Write all schemas into a folder, created if needed; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for name, schema in schemas().items():

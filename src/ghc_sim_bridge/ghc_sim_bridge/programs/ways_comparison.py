@@ -1,7 +1,7 @@
-"""All ways to let a contact go, beside each other: ways.json, a table, a figure.
+"""Compares strategies to release a contact: ways.json, a table, a figure.
 
-Raw bounds, bounds from a generator, and whatever else a scenario's variants bring, such as a
-force task that fades in (thesis, figures 5.15 and 5.16).
+Raw bounds, bounds from a generator, and other variants of a scenario, such as a force task that
+fades in (thesis, figures 5.15 and 5.16).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class TorqueRates:
 def joint_rates(
     log: FullRateLog, joints: Sequence[str], windows: Sequence[tuple[float, float]]
 ) -> TorqueRates:
-    """Peaks of the joints of these names; UnknownName for one that the log has not."""
+    """Peaks of the named joints; UnknownName for joints missing in the log."""
     for name in joints:
         if name not in log.joint_names:
             raise UnknownName("watched joint", name, log.joint_names)
@@ -54,14 +54,14 @@ def joint_rates(
 
 
 def way_name(plan: RunPlan) -> str:
-    """What a way is called: its variant, or raw against smoothed bounds."""
+    """Label of a strategy: its variant, or raw or smoothed bounds."""
     if plan.scenario.raw_bounds_only:
         return plan.scenario.variant.replace("_", " ")
     return "raw bounds" if plan.options.generators is False else "smoothed bounds"
 
 
 def ways_data(ways: Mapping[str, GeneratorAnalysis]) -> dict[str, Any]:
-    """The figures of every way, those of the watched joints and of all joints."""
+    """Results of every strategy, for the watched joints and for all joints."""
     first = next(iter(ways.values())).analysis.plan
     scenario = first.scenario
     data: dict[str, Any] = {
@@ -84,7 +84,7 @@ def ways_data(ways: Mapping[str, GeneratorAnalysis]) -> dict[str, Any]:
 
 
 def ways_table(data: Mapping[str, Any]) -> str:
-    """The ways as text, one a line."""
+    """The strategies as text, one per line."""
     period = 1e3 * data["control_dt_s"]
     head = [f"largest torque rate [Nm/s @ {period:g} ms]", *_columns(data)]
     rows = []
@@ -103,7 +103,7 @@ def _columns(data: Mapping[str, Any]) -> list[str]:
 
 
 def compare_ways(plans: Sequence[RunPlan]) -> dict[str, Any]:
-    """Write ways.json and ways.png of runs that have been made, print the table."""
+    """Write ways.json and ways.png of finished runs, print the table."""
     ways = {way_name(plan): _from_folder(plan) for plan in plans}
     data = rounded(ways_data(ways))
     folder = _folder(plans)
@@ -116,7 +116,7 @@ def compare_ways(plans: Sequence[RunPlan]) -> dict[str, Any]:
 
 
 def _folder(plans: Sequence[RunPlan]) -> Path:
-    """Beside the runs, or in a folder of its own where the options are not the scenario's."""
+    """Folder next to the runs, or a separate one if options differ from the scenario."""
     if any(plan.is_default for plan in plans):
         return plans[0].folder.parent
     name = plans[0].folder.name.replace("generators_off", WAYS).replace("generators_on", WAYS)

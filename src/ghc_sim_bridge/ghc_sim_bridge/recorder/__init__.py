@@ -1,1 +1,1 @@
-"""Recording of topics into a rosbag2 folder, and reading of one, also of one that was cut."""
+"""Recording of topics into a rosbag2 folder, and reading of one, including truncated ones."""

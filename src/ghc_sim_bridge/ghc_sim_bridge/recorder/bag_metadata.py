@@ -32,7 +32,7 @@ class BagTopic:
 
 @dataclass(frozen=True, slots=True)
 class BagExtent:
-    """How much a bag holds."""
+    """Number of messages and times of a bag."""
 
     counts: Mapping[str, int]  # messages by topic
     start_ns: int = 0  # [ns] log time of the first message
@@ -90,7 +90,7 @@ def qos_text(offered: Sequence[Qos]) -> str:
 
 
 def _plain(qos: Qos) -> dict[str, Any]:
-    """A copy of its own: equal objects would become anchors and aliases in the text."""
+    """A separate copy: equal objects would become anchors and aliases in the text."""
     return {k: dict(v) if isinstance(v, Mapping) else v for k, v in qos.items()}
 
 

@@ -1,4 +1,4 @@
-"""Records of an MCAP file or a rosbag2 folder, up to where it was cut."""
+"""Records of an MCAP file or a rosbag2 folder, up to where it is truncated."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from ghc_sim_bridge.recorder.bag_metadata import BagTopic
 from ghc_sim_bridge.recorder.bag_recording import HASH_KEY, QOS_KEY
 
 _MAGIC_SIZE = 8  # [bytes]
-# What a reader of cut or overwritten records may meet: failed checksums are ValueErrors, and
-# a length of random bytes asks for more memory than there is.
+# Exceptions caused by truncated or overwritten records: failed checksums are ValueErrors, and a
+# random length may exceed the memory.
 _CUT = (
     McapError, EOFError, ValueError, KeyError, IndexError, struct.error, ZstdError,
     MemoryError, OverflowError,
@@ -63,7 +63,7 @@ def intact_records(file: Path) -> Iterator[Any]:
 def raw_messages(path: Path) -> Iterator[tuple[BagTopic, Message | None]]:
     """Topic and message, as bytes with its times [ns], of a bag folder or an MCAP file.
 
-    A topic comes without a message where the file announces it. Raises as `read_messages`.
+    Where the file declares a topic, it is yielded without a message. Raises as `read_messages`.
     """
     for file in storage_files(path):
         schemas: dict[int, Schema] = {}

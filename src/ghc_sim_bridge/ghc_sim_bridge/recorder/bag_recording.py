@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mcap.data_stream import RecordBuilder
 from mcap.records import DataEnd, Footer
-from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
+from mcap.writer import MCAP0_MAGIC
 
 from ghc_sim_bridge.recorder.bag_metadata import (
     METADATA,
@@ -16,9 +16,11 @@ from ghc_sim_bridge.recorder.bag_metadata import (
     metadata_text,
     qos_text,
 )
+from ghc_sim_bridge.recorder.chunked_writer import ChunkedWriter
 from ghc_sim_bridge.recorder.cut_safe_file import CutSafeFile
 
 PROFILE = "ros2"
+LIBRARY = "ghc_sim_bridge recorder"
 SCHEMA_ENCODING = "ros2msg"
 QOS_KEY = "offered_qos_profiles"  # of a channel's metadata, as rosbag2 names them
 HASH_KEY = "topic_type_hash"
@@ -27,8 +29,8 @@ HASH_KEY = "topic_type_hash"
 class BagRecording:
     """Serialized messages by topic.
 
-    `checkpoint` brings all messages so far to the disk; from the first line on and between any
-    two checkpoints the folder is a bag that opens. `close` adds the index of the MCAP file.
+    `checkpoint` writes all messages so far to the disk; from its creation on, also between two
+    checkpoints, the folder is a readable bag. `close` adds the index of the MCAP file.
     """
 
     def __init__(self, folder: Path, file: str = "") -> None:
@@ -46,18 +48,17 @@ class BagRecording:
         self._begin()
 
     def restart(self) -> None:
-        """Forget all messages and start the file anew, with the same topics.
+        """Discard all messages and begin the file again, with the same topics.
 
         Raises:
             OSError: it cannot be written any more.
         """
-        self._file.close()
+        self._close_files()
         self._begin()
 
     def _begin(self) -> None:
         self._file = CutSafeFile(self.path)
-        self._writer = Writer(self._file, compression=CompressionType.ZSTD)
-        self._writer.start(profile=PROFILE, library="ghc_sim_bridge recorder")
+        self._writer = ChunkedWriter(self._file, self.path.parent, PROFILE, LIBRARY)
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
         self._counts: dict[str, int] = {}
@@ -69,7 +70,7 @@ class BagRecording:
         self.checkpoint()
 
     def add_topic(self, topic: BagTopic) -> None:
-        """Announce a topic; its messages may follow."""
+        """Declare a topic, before its messages."""
         if topic.type_name not in self._schemas:
             self._schemas[topic.type_name] = self._writer.register_schema(
                 topic.type_name, SCHEMA_ENCODING, topic.schema.encode()
@@ -106,7 +107,7 @@ class BagRecording:
         return self._file.pending
 
     def checkpoint(self) -> None:
-        """Bring all messages so far to the disk.
+        """Write all messages so far to the disk.
 
         Raises:
             OSError: no space is left, for example; the bag is that of the last checkpoint.
@@ -126,14 +127,18 @@ class BagRecording:
             self._file.commit(b"")
             self._write_metadata()
         finally:
-            self._file.close()
+            self._close_files()
 
     def abandon(self) -> None:
         """Close the file as the last checkpoint left it."""
+        self._close_files()
+
+    def _close_files(self) -> None:
+        self._writer.close()
         self._file.close()
 
     def _write_metadata(self) -> None:
-        """By a file beside it, so that metadata.yaml is whole at any time."""
+        """Through a temporary file, so that metadata.yaml is complete at any time."""
         text = metadata_text(self.path.name, list(self._topics.values()), self.extent)
         draft = self._metadata.with_suffix(".yaml.tmp")
         try:
@@ -145,7 +150,7 @@ class BagRecording:
 
 
 def _end_of_file() -> bytes:
-    """End of an MCAP file that has no index: readers then go through it from its start."""
+    """End of an MCAP file that has no index: readers then scan it from the start."""
     builder = RecordBuilder()
     DataEnd(data_section_crc=0).write(builder)
     Footer(summary_start=0, summary_offset_start=0, summary_crc=0).write(builder)

@@ -1,4 +1,4 @@
-"""An output stream that reaches the disk in commits, each of which leaves a complete file."""
+"""An output stream written to the disk in commits, each of which leaves a complete file."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from pathlib import Path
 
 
 class CutSafeFile:
-    """Bytes are held back until `commit` writes them together with an end for the file.
-
-    The next commit overwrites that end. So a process that dies leaves the file of its last
-    commit, and so does a full disk.
+    """Bytes are buffered until `commit` writes them together with an end for the file. The next
+    commit overwrites that end. After a kill, or on a full disk, the file is therefore that of the
+    last commit.
     """
 
     def __init__(self, path: Path) -> None:
@@ -25,7 +24,7 @@ class CutSafeFile:
         self._tail = b""  # that end, as the last commit wrote it
 
     def write(self, data: bytes) -> int:
-        """Hold `data` until the next commit; its size [bytes]."""
+        """Buffer `data` until the next commit; returns its size [bytes]."""
         self._pending += data
         return len(data)
 
@@ -42,14 +41,14 @@ class CutSafeFile:
         """Called by the writer of the format; bytes go to the disk in `commit` only."""
 
     def commit(self, tail: bytes) -> None:
-        """Write what was held back, and `tail` behind it.
+        """Write the buffered bytes, followed by `tail`.
 
         Raises:
             OSError: no space is left, for example; the file is the one of the last commit.
         """
         fd = self._file.fileno()
         try:
-            # One call: whoever is killed inside of it leaves a cut file at worst.
+            # One call: a kill during it leaves a truncated file at worst.
             _write_all(fd, bytes(self._pending) + tail, self._end)
         except OSError:
             _write_all(fd, self._tail, self._end)  # over bytes that the file already had

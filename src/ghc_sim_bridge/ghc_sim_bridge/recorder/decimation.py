@@ -12,7 +12,7 @@ class Decimator:
         self._last_cell: int | None = None
 
     def keeps(self, stamp_ns: int) -> bool:
-        """Whether the message of `stamp_ns` [ns] stays; time that went back starts anew."""
+        """Whether the message of `stamp_ns` [ns] is kept; restarts if time goes back."""
         cell = stamp_ns // self._period_ns
         if cell == self._last_cell:
             return False

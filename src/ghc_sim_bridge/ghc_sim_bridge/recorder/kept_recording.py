@@ -1,4 +1,4 @@
-"""A recording that is brought to the disk all the time, and that outlives a full disk."""
+"""A recording that is written to the disk continuously and survives a full disk."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ CHECKPOINT_PERIOD = 0.5  # [s] wall; a kill costs at most this much, and a write
 
 
 class KeptRecording:
-    """Messages with a wall time in, a bag on the timeline of the simulation out.
-
-    An error of the disk ends the recording, not its caller: what was on the disk stays, `warn`
-    is called with one line, what comes later is dropped, and `close` raises the error.
+    """Takes messages with their wall time and writes a bag on the timeline of the simulation. A
+    disk error ends the recording, not its caller: data on the disk are kept, `warn` is called with
+    one line, later messages are dropped, and `close` raises the error.
     """
 
     def __init__(self, folder: Path, warn: Callable[[str], None]) -> None:
@@ -35,11 +34,11 @@ class KeptRecording:
 
     @property
     def ended(self) -> bool:
-        """Whether the disk has ended it."""
+        """Whether a disk error has ended it."""
         return self._failure is not None
 
     def add_topic(self, topic: BagTopic) -> None:
-        """Announce a topic; its messages may follow."""
+        """Declare a topic, before its messages."""
         if not self.ended:
             self._bag.add_topic(topic)
 
@@ -59,7 +58,7 @@ class KeptRecording:
             self.checkpoint_if_due()
 
     def checkpoint_if_due(self) -> None:
-        """Bring all messages so far to the disk, CHECKPOINT_PERIOD after the last time."""
+        """Write all messages so far to the disk, CHECKPOINT_PERIOD after the last time."""
         if not self.ended and time.monotonic() >= self._due:
             self._guard(self._bag.checkpoint)
             self._due = time.monotonic() + CHECKPOINT_PERIOD

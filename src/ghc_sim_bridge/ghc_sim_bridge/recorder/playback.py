@@ -1,4 +1,4 @@
-"""A recording in the order and at the times at which it is published again; no ROS here."""
+"""Order and times at which a recording is published again; no ROS here."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Entry(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """What a recording holds, as far as it is intact."""
+    """Content of the intact part of a recording."""
 
     topics: dict[str, BagTopic]  # by name, in the order of the file
     messages: int
@@ -33,12 +33,12 @@ class Contents:
 
 
 def is_latched(topic: BagTopic) -> bool:
-    """Whether a reader that comes later gets the last messages too."""
+    """Whether late subscribers receive the last messages too (latched)."""
     return any(qos.get("durability") == "transient_local" for qos in topic.offered_qos)
 
 
 def contents(path: Path) -> Contents:
-    """Look through a recording once.
+    """Read a recording once for its content.
 
     Raises:
         ConfigurationError: it cannot be read, or holds no message.
@@ -70,7 +70,8 @@ def chosen(known: Contents, names: Collection[str]) -> dict[str, BagTopic]:
 def playback(path: Path, topics: Collection[str], start: float) -> Iterator[Entry]:
     """Messages of `topics` from `start` [s] after the first one on, in their order.
 
-    What a latched topic said last before `start` comes first. Raises as `contents`.
+    The last message of a latched topic before `start` comes first, even if nothing follows.
+    Raises as `contents`.
     """
     begin = round(start * NANOSECONDS)
     latched: dict[str, deque[Entry]] = {}
@@ -86,6 +87,7 @@ def playback(path: Path, topics: Collection[str], start: float) -> Iterator[Entr
             yield entry
         elif topic.name in latched:
             latched[topic.name].append(entry)
+    yield from (early._replace(position=begin) for early in _emptied(latched))
 
 
 def _emptied(latched: dict[str, deque[Entry]]) -> Iterator[Entry]:
@@ -121,7 +123,7 @@ class Pace:
 
     @property
     def done(self) -> bool:
-        """Whether nothing comes any more."""
+        """Whether all messages were returned."""
         return self._next is None
 
     def due(self, wall: int) -> Iterator[Entry]:

@@ -1,4 +1,4 @@
-"""Repair of a bag whose process was killed or whose disk was full: index and metadata anew."""
+"""Repair of a bag whose process was killed or whose disk was full: rewrites index and metadata."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ghc_sim_bridge.recorder.bag_metadata import METADATA, BagExtent
 from ghc_sim_bridge.recorder.bag_reading import raw_messages, storage_files
 from ghc_sim_bridge.recorder.bag_recording import BagRecording
 
-_BUFFER = 8 * 2**20  # [bytes] held in memory at most, about
+_BUFFER = 8 * 2**20  # [bytes] approximate limit of the memory used
 
 
 def repair_bag(folder: Path) -> BagExtent:
-    """Rewrite a bag up to where it was cut, with an index; how much it holds.
+    """Rewrite a bag up to where it is truncated, with an index; returns its extent.
 
     The old file is replaced at the end, so that nothing is lost if this is interrupted.
 

@@ -1,12 +1,16 @@
-"""Which clock a recording runs on: simulated time if there is any, else the wall's."""
+"""Clock of a recording: simulated time if there is any, else wall time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+from ghc_controller.ros.wire.in_a_row import InARow
+
 Write = Callable[[int], None]  # called with the log time [ns]
 
-PATIENCE_NS = 30_000_000_000  # [ns] wall; no /clock until then: nobody simulates
+MOST_AHEAD_NS = 10_000_000_000  # [ns] of /clock, at once
+IN_A_ROW = 3  # [-] consecutive times far ahead after which a jump is accepted
+PATIENCE_NS = 30_000_000_000  # [ns] wall; no /clock until then: there is no simulation
 
 
 class RecordingTimeline:
@@ -22,12 +26,13 @@ class RecordingTimeline:
         self._start_ns = start_ns
         self._restart = restart
         self._simulated_ns: int | None = None
+        self._far = InARow(IN_A_ROW, MOST_AHEAD_NS)
         self._on_wall = False
         self._early: list[Write] = []
 
     def clock(self, stamp_ns: int) -> None:
-        """Simulated time is `stamp_ns` [ns]."""
-        if self._on_wall:
+        """Simulated time is `stamp_ns` [ns]; a single one far ahead is ignored."""
+        if self._on_wall or self._is_far_ahead(stamp_ns):
             return
         self._simulated_ns = stamp_ns
         early, self._early = self._early, []
@@ -35,6 +40,12 @@ class RecordingTimeline:
             self._restart()
         for write in early:
             write(stamp_ns)
+
+    def _is_far_ahead(self, stamp_ns: int) -> bool:
+        if self._simulated_ns is None or stamp_ns - self._simulated_ns <= MOST_AHEAD_NS:
+            self._far.forget()
+            return False
+        return not self._far.hear(stamp_ns)
 
     def write(self, wall_ns: int, write: Write) -> None:
         """Call `write` with the log time of a message received at `wall_ns` [ns]."""

@@ -2,9 +2,9 @@
 
 Publishes  ~/epoch (latched, before the first state of a run: which stamps belong to it),
            joint_states (stamp = simulated time, effort = torque over the last period [Nm]),
-           contacts/<name> (force of the surroundings on the robot, world axes, same stamp, sent
+           contacts/<name> (force of the environment on the robot, world axes, same stamp, sent
            before), odom where the base floats (pose in the world, twist in base axes; same stamp,
-           sent before), constraints/obstacles (what the scene's obstacle sensor sees, at its own
+           sent before), constraints/obstacles (readings of the scene's obstacle sensor, at its own
            rate, sent before the state of its stamp), /clock, /diagnostics.
 Subscribes joint_commands (stamp = the state that it answers, effort [Nm] by joint name).
 Services   ~/reset (std_srvs/Trigger: start state, next epoch), ~/pause (std_srvs/SetBool).
@@ -56,11 +56,7 @@ from ghc_sim_bridge.logs.full_rate_log import FullRateLogBuffer
 from ghc_sim_bridge.parameters import BridgeParameters
 from ghc_sim_bridge.ros.commands import CommandSubscriber
 from ghc_sim_bridge.ros.conversions import obstacles_message
-from ghc_sim_bridge.ros.others import (
-    CLOCK,
-    YoungBridge,
-    refuse_second_bridge,
-)
+from ghc_sim_bridge.ros.others import CLOCK, YoungBridge, refuse_second_bridge
 from ghc_sim_bridge.ros.shared_clock import SharedClock
 from ghc_sim_bridge.simulation.disturbances import Disturbances, Magnitudes
 from ghc_sim_bridge.simulation.obstacle_sensor import ObstacleSensor
@@ -73,7 +69,7 @@ NEVER_NS = 1 << 62  # [ns] later than any simulated time
 
 
 def disturbances_of(p: BridgeParameters) -> Disturbances | None:
-    """The disturbances that the parameters ask for."""
+    """The disturbances set by the parameters."""
     if p.disturbance_seed < 0:
         return None
     magnitudes = Magnitudes(
@@ -96,7 +92,7 @@ class SimBridge:
     def __init__(self, stop: Future) -> None:
         """Read the parameters, load the scene, publish the first state.
 
-        `stop` ends the node; an error that only shows while running ends up in it.
+        `stop` ends the node, also with an error that occurs while running.
 
         Raises:
             GhcError: a parameter, or a file that it names, cannot be used.
@@ -105,7 +101,7 @@ class SimBridge:
         self._parameters = p = read_parameters(self.node, BridgeParameters)
         self.executor = p.executor
         since = time.monotonic()
-        clock = self._advertise(Clock, CLOCK, CLOCK_QOS, stop)  # others know of it meanwhile
+        clock = self._advertise(Clock, CLOCK, CLOCK_QOS, stop)  # others discover it meanwhile
         simulator = Simulator(
             p.scene,
             control_dt=p.control_dt,
@@ -121,16 +117,15 @@ class SimBridge:
             if p.log_file
             else None
         )
-        self._rows_saved = -1  # a run that was stopped at once leaves an empty log, not none
+        self._rows_saved = -1  # a run that is stopped immediately still writes an empty log
         self._cycle = ControlCycle(simulator, gate, self._log)
         self._stop_ns = round(p.stop_time * NANOSECONDS) if p.stop_time > 0.0 else NEVER_NS
         self._commands = CommandSubscriber(self.node, self._cycle)
         self._health = BridgeDiagnostics(self._commands.rejections)
         refuse_second_bridge(self.node, since)
-        self._clock = SharedClock(self.node, lambda: self._cycle.time_ns)
-        self._clock.settle()
+        self._clock = SharedClock(self.node, clock, lambda: self._cycle.time_ns)
         self._epochs = self.node.create_publisher(Epoch, "~/epoch", LATCHED_QOS)
-        self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), clock, stop)
+        self._publisher = self._make_publisher(wrenches if p.publish_contacts else (), stop)
         self._mode = self._make_mode()
         self._mode.paused = p.paused
         self._young = YoungBridge(self.node, lambda: self._cycle.time_ns, stop)
@@ -141,29 +136,27 @@ class SimBridge:
         )
 
     def _advertise(self, kind: type, topic: str, qos: QoSProfile, stop: Future) -> Publish:
-        """What publishes a topic; with `lossless` whatever that takes."""
+        """Publisher of a topic; with `lossless` it waits for slow readers."""
         p = self._parameters
         if not p.lossless:
             return self.node.create_publisher(kind, topic, qos).publish
         publish: Publish = self.node.create_publisher(kind, topic, LOSSLESS_PUBLISHER_QOS).publish
         return patient(publish, topic, p.lockstep_timeout, stop.done)
 
-    def _make_publisher(
-        self, contacts: Sequence[str], clock: Publish, stop: Future
-    ) -> StatePublisher:
+    def _make_publisher(self, contacts: Sequence[str], stop: Future) -> StatePublisher:
         def advertise(kind: type, topic: str) -> Publish:
             return self._advertise(kind, topic, CONTROL_PUBLISHER_QOS, stop)
 
         return StatePublisher(
             advertise(JointState, "joint_states"),
-            lambda data: clock(data) if self._clock.owned else None,
+            self._clock,
             {name: advertise(WrenchStamped, f"contacts/{name}") for name in contacts},
             self._make_observer(advertise),
             advertise(Odometry, "odom") if self._cycle.simulator.floating_base else None,
         )
 
     def _make_observer(self, advertise: Callable[[type, str], Publish]) -> Observe | None:
-        """The obstacle sensor of the scene, as what publishes its readings; None without one."""
+        """Publisher of the scene's obstacle sensor; None without one."""
         simulator = self._cycle.simulator
         scene = simulator.scene
         if scene.sensor_period is None:
@@ -258,7 +251,7 @@ class SimBridge:
             self._rows_saved = len(self._log)
 
     def close(self) -> None:
-        """Write the log of a run that was stopped before its end; deliver what is on the way."""
+        """Write the log of a run that was stopped before its end; deliver pending messages."""
         self._save_log()
         if self._parameters.lossless:
             for publisher in self.node.publishers:
@@ -266,7 +259,7 @@ class SimBridge:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run the bridge until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    """Run the bridge until a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
     return run_node(NODE_NAME, SimBridge, args)
 
 

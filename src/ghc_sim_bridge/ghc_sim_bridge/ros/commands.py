@@ -1,4 +1,4 @@
-"""The part of the bridge node that takes commands: checked, of one commander, counted.
+"""Part of the bridge node: checks and counts commands, accepts one commander.
 
 Subscribes joint_commands.
 """
@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 from ghc_controller.errors import GhcError
 from ghc_controller.ros.conversions.states import read_joint_state
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS
-from ghc_controller.ros.rejections import Rejections
+from ghc_controller.ros.rejections import BRIDGE, Rejections, warning
 from ghc_controller.ros.run import guarded, tolerant
 from ghc_controller.safety.torque_gate import GatedTorque
 from ghc_controller.types import NANOSECONDS
@@ -30,12 +30,12 @@ TOPIC = "joint_commands"
 
 
 class CommandSubscriber:
-    """Hands commands to the run mode, and says why one was not used."""
+    """Passes commands to the run mode, and reports why one was not used."""
 
     def __init__(self, node: Node, cycle: ControlCycle) -> None:
-        """Nothing heard yet; `listen` begins."""
+        """No commands yet; `listen` subscribes."""
         self.rejections = Rejections()
-        self.refusal = ""  # why the last command was refused; empty after a good one
+        self.refusal = ""  # why the last command was rejected; empty after a good one
         self._node = node
         self._cycle = cycle
         self._claim = CommandClaim()
@@ -45,8 +45,8 @@ class CommandSubscriber:
         """Subscribe.
 
         Args:
-            mode: what a checked command goes to.
-            used: told of each command that was used.
+            mode: receiver of checked commands.
+            used: called for each command that was used.
             stop: ends the node with an error of the simulation or the disk, never of a message.
         """
 
@@ -62,9 +62,9 @@ class CommandSubscriber:
     def applied(self, gated: GatedTorque) -> None:
         """Count what the gate had to clip."""
         if gated.limit_hit:
-            self._reject("torque_limit", "effort beyond the torque limits was clipped")
+            self._reject("torque_limit", "effort beyond the torque limits given")
         if gated.rate_hit:
-            self._reject("torque_rate", "effort beyond the torque rate limit was clipped")
+            self._reject("torque_rate", "effort beyond the torque rate limit given")
 
     def _take(self, data: bytes, mode: RunMode) -> bool:
         """Whether a serialized command was used."""
@@ -77,11 +77,14 @@ class CommandSubscriber:
         if self._claim.blocks(sender, time.monotonic()):
             self._ignore(sender)
             return False
-        # Where time waits nobody holds the robot meanwhile: a controller that was started again
-        # in motion would be refused for ever. The gate limits the change of torque.
+        # In lockstep no hold is active meanwhile: a controller restarted in motion would be #
+        # rejected indefinitely. The gate limits the change of torque.
         jumps = not mode.waits and not self._cycle.continues(torque)
         if self._claim.takes_over(sender) and jumps:
-            self.refusal = f"sender '{sender}' would take over with a jump of torque"
+            self.refusal = (
+                f"sender '{sender}' given, whose torque is far from the applied one; to take "
+                "over it has to be near: two periods of the rate limit"
+            )
             self._reject("takeover", self.refusal)
             return False
         now_ns = self._cycle.time_ns
@@ -95,7 +98,7 @@ class CommandSubscriber:
         return True
 
     def _ignore(self, sender: str) -> None:
-        """A second commander: count it, and name it once in a while."""
+        """A second commander: count it, with a rate-limited warning."""
         if self.rejections.count("second_commander", time.monotonic()):
             self._node.get_logger().warning(
                 f"{TOPIC}: sender '{sender}' ignored while '{self._claim.sender}' commands "
@@ -105,4 +108,4 @@ class CommandSubscriber:
     def _reject(self, field: str, reason: str) -> None:
         warn = self.rejections.count(field, time.monotonic())
         if warn and field not in EXPECTED:
-            self._node.get_logger().warning(f"{TOPIC}: {reason}")
+            self._node.get_logger().warning(f"{TOPIC}: {warning(field, reason, BRIDGE)}")

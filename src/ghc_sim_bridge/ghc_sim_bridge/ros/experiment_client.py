@@ -48,15 +48,14 @@ TICK_TOPIC = "ghc/tick"
 REPORT_TOPIC = "ghc/controller_state"
 REFERENCE_TOPIC = "ghc/task_reference"
 TRANSITION_TOPIC = "ghc/priority_transition"
-OBSTACLE_TOPIC = "constraints/obstacles"
 
 
 class TransitionRejected(GhcError):
-    """The controller refused a scripted transition; the message holds its reason."""
+    """The controller rejected a scripted transition; the message holds its reason."""
 
 
 class ExperimentClient(Node):
-    """Publishes what is scripted and remembers what the controller says; decides nothing."""
+    """Publishes scripted messages and stores the controller's replies; makes no decisions."""
 
     def __init__(self, context: Context) -> None:
         super().__init__("experiment", context=context)
@@ -91,7 +90,7 @@ class ExperimentClient(Node):
         )
 
     def watch_states(self, watch: bool) -> None:
-        """Read the joint states or stop doing so: at 1 kHz reading them is not free."""
+        """Start or stop reading the joint states: at 1 kHz this has a cost."""
         if watch and self._states is None:
             self._states = self.create_subscription(
                 JointState, STATE_TOPIC, self._on_state, CONTROL_SUBSCRIBER_QOS
@@ -101,7 +100,7 @@ class ExperimentClient(Node):
             self._states = None
 
     def stop_waiting_for_controller(self) -> None:
-        """Leave the latched topic that told of the controller's start."""
+        """Unsubscribe from the latched topic that showed the controller's start."""
         self.destroy_subscription(self._matrices)
 
     def is_read_by(self, node: str, topic: str) -> bool:
@@ -118,23 +117,23 @@ class ExperimentClient(Node):
         self._transitions.publish(transition_message(transition, self.run_start or 0.0))
 
     def publish_schedule(self, topic: str, schedule: LimitSchedule) -> None:
-        """Send what one contact or joint is allowed, at times of the run."""
+        """Send the schedule of one contact or joint, in times of the run."""
         message = schedule_message(schedule, self.run_start or 0.0)
         if topic not in self._schedules:
             self._schedules[topic] = self.create_publisher(type(message), topic, SCHEDULE_QOS)
         self._schedules[topic].publish(message)
 
     def schedules_judged(self, generator: str, topic: str) -> int:
-        """How many schedules a generator has accepted or rejected, by its diagnostics."""
+        """Number of schedules that a generator has accepted or rejected, from its diagnostics."""
         values = self.diagnostics.get(generator, {})
         return int(values.get("schedules", 0)) + self.schedules_rejected(generator, topic)
 
     def schedules_rejected(self, generator: str, topic: str) -> int:
-        """How many of them it rejected."""
+        """Number of rejected ones."""
         return int(self.diagnostics.get(generator, {}).get(f"rejected_{topic}", 0))
 
     def raise_if_rejected(self) -> None:
-        """Raise TransitionRejected with the controller's reason, if it refused one."""
+        """Raise TransitionRejected with the controller's reason, if it rejected one."""
         for status in self.statuses.values():
             if status.status == TransitionStatus.REJECTED:
                 raise TransitionRejected(
@@ -147,7 +146,7 @@ class ExperimentClient(Node):
         return self._pause.service_is_ready()
 
     def resume(self) -> Future:
-        """Ask the bridge to let time run; plans are not read any more."""
+        """Request the bridge to start time; previews are no longer read."""
         self.destroy_subscription(self._previews)
         return self._pause.call_async(SetBool.Request(data=False))
 
@@ -172,7 +171,7 @@ class ExperimentClient(Node):
         self.state_time = None
 
     def _time_of(self, header: Header) -> float | None:
-        """Time of the run [s]; None for what is stamped before it, or before it is known."""
+        """Time of the run [s]; None for earlier stamps, or before the run is known."""
         if self.run_start is None:
             return None
         time = seconds_from_time(header.stamp) - self.run_start

@@ -18,17 +18,17 @@ from ghc_sim_bridge.run.processes import NodeProcesses
 from ghc_sim_bridge.run.progress import Progress
 from ghc_sim_bridge.scenario.plan import RunPlan
 
-_START_DEADLINE = 180.0  # [s] wall; the first start compiles the controller's kernels
-_PATIENCE = 5.0  # [s] wall of waiting for a node before it is said
-_CONTROLLER_START = "a priority matrix from controller (it compiles its kernels once)"
+_START_DEADLINE = 180.0  # [s] wall
+_PATIENCE = 5.0  # [s] wall of waiting for a node before a message
+_CONTROLLER_START = "a priority matrix from controller"
 _ANSWER_DEADLINE = 10.0  # [s] wall
 _REPEAT_PERIOD = 1.0  # [s] wall between two copies of an unanswered transition
-_STALL_DEADLINE = 30.0  # [s] wall without a word from the controller
+_STALL_DEADLINE = 30.0  # [s] wall without a message from the controller
 _NEAR_END = 0.5  # [s] simulated
 
 
 class ExperimentDriver:
-    """The steps of a run, each with a deadline and an eye on the processes."""
+    """The steps of a run, each with a deadline and a check of the processes."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class ExperimentDriver:
         self._executor = executor
 
     def wait_for_nodes(self) -> None:
-        """Until each node has said something."""
+        """Wait until each node has sent a message."""
         client = self._client
         client.watch_states(True)
         self._until(
@@ -64,7 +64,8 @@ class ExperimentDriver:
         )
 
     def send_script(self) -> None:
-        """All that is scripted, before time runs; transitions and schedules until accepted."""
+        """Send all scripted messages before time runs; transitions and schedules until
+        accepted."""
         client, plan = self._client, self._plan
         self._send_schedules()
         for reference in plan.scenario.references:
@@ -78,7 +79,7 @@ class ExperimentDriver:
         answer = client.resume()
         self._until(answer.done, "the answer of sim_bridge/pause", _ANSWER_DEADLINE)
         if not answer.result().success:
-            raise GhcError(f"sim_bridge/pause refused: {answer.result().message}")
+            raise GhcError(f"sim_bridge/pause rejected: {answer.result().message}")
         began = time.monotonic()
         title = f"{plan.scenario.name} ({plan.folder.name})"
         with Progress(title, plan.duration) as progress:
@@ -126,7 +127,7 @@ class ExperimentDriver:
                 )
 
     def _send_schedules(self) -> None:
-        """What contacts and joints are allowed; until generators have it and previews show it."""
+        """Send schedules until generators have accepted them and previews show them."""
         for topic, schedules in self._plan.scenario.schedules().items():
             for schedule in schedules:
                 self._client.publish_schedule(topic, schedule)

@@ -1,4 +1,4 @@
-"""The processes of a run: where their executables are, and what they read before time runs."""
+"""The processes of a run: their executables and the topics they subscribe to before time runs."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ _EXECUTABLES = {
     "controller": ("ghc_controller", "controller"),
     "recorder": ("ghc_sim_bridge", "recorder"),
     "viewer": ("ghc_sim_bridge", "viewer"),
+    "priority_share": ("ghc_controller", "priority_share"),
 }
 _READ_BEFORE_START = {
     "controller": _SCRIPT,
     "recorder": (*_SCRIPT, STATE_TOPIC, REPORT_TOPIC),
     "viewer": (STATE_TOPIC,),
+    "priority_share": (REPORT_TOPIC,),
 }
-MAY_END = ("viewer",)  # whoever watches may close the window
+MAY_END = ("viewer",)  # the user may close the window
 
 
 def executable_of(node: str) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""Who else is on the network: another bridge of the same robot, or of another one."""
+"""Detection of other bridges on the network, of the same or another robot."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ghc_controller.ros.run import guarded
 from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
 from ghc_controller.ros.wire.timeline import MOST_AHEAD_NS
 
-DISCOVERY = 0.25  # [s] wall; a bridge that runs on this host is known by then
+DISCOVERY = 0.25  # [s] wall; a running bridge on this host is discovered by then
 NAMING = 5.0  # [s] wall; discovery knows a publisher before it knows the name of its node
 LISTENING = 1.0  # [s] wall; one that runs publishes at least every 50 ms, also while paused
 YOUTH = 5  # [s] wall
 AHEAD_NS = 200_000_000  # [ns] a state of an older bridge is ahead, at least
-IN_A_ROW = 20  # [-] such states that are enough
+IN_A_ROW = 20  # [-] such states that suffice
 STATES, CLOCK = "joint_states", "/clock"
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"  # what rcl says of an endpoint before its node is discovered
 _NAMELESS = "a node whose name is not known"
@@ -40,17 +40,17 @@ def publishers_of(node: Node, topic: str) -> list[str]:
 
 
 def refuse_second_bridge(node: Node, since: float) -> None:
-    """Wait until others are known, and refuse to be the second one that publishes states.
+    """Wait for discovery, and raise an error if another bridge already publishes states.
 
-    A publisher that is known and says nothing does not count: it was killed, and the middleware
-    has not noticed yet.
+    A discovered publisher that sends nothing does not count: it was killed, and the middleware has
+    not detected this yet.
 
     Args:
         node: publishes no states yet.
-        since: [s] of time.monotonic(), when the node was created: discovery goes on meanwhile.
+        since: [s] of time.monotonic(), when the node was created: discovery continues meanwhile.
 
     Raises:
-        ConfigurationError: somebody publishes joint states here; names who.
+        ConfigurationError: joint states are already published; names the publisher.
     """
     deadline = since + DISCOVERY
     while not node.count_publishers(STATES):
@@ -89,7 +89,7 @@ def _second(node: Node) -> str:
 
 
 def _others(node: Node, topic: str) -> list[str]:
-    """Who else publishes a topic; waits for names that discovery does not know yet."""
+    """Other publishers of a topic; waits for names that are not discovered yet."""
     deadline = time.monotonic() + NAMING
     while _NAMELESS in publishers_of(node, topic) and time.monotonic() < deadline:
         time.sleep(0.02)
@@ -109,8 +109,8 @@ def other_publishers(node: Node, topic: str) -> list[str]:
 class YoungBridge:
     """The same check while a bridge is young: discovery takes longer on a busy machine.
 
-    Its own time has just begun; states that are ahead of it by far, and follow each other, are
-    those of an older bridge. A few forged ones do not end it.
+    Its own time has just begun; consecutive states far ahead of it are those of an older bridge. A
+    few forged ones do not end it.
     """
 
     def __init__(self, node: Node, now_ns: Callable[[], int], stop: Future) -> None:
@@ -124,7 +124,7 @@ class YoungBridge:
         self._listener: Subscription | None = None
 
     def look(self) -> None:
-        """Once a second: listen while young and not alone."""
+        """Once a second: check for other bridges during the first seconds."""
         self._looks += 1
         young = self._looks <= YOUTH
         if young and self._listener is None and self._node.count_publishers(STATES) > 1:

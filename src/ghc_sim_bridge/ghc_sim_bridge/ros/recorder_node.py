@@ -1,12 +1,12 @@
-"""Records every topic to a rosbag2 folder, in a process of its own.
+"""Records every topic to a rosbag2 folder, in a separate process.
 
-The folder opens at any time, also after a kill: what came in is on the disk twice a second. A
-full disk ends the recording and not the run.
+The folder can be opened at any time, also after a kill: received messages are written to disk
+twice a second. A full disk ends the recording, not the run.
 
-Topics are found as they appear, whatever their names and types. Messages are kept as they came
-over the wire. Fast topics are thinned to a grid of simulated time, unless record_mode is `full`:
-then every message is kept, and the bridge's parameter `lossless` makes it wait for this reader
-rather than lose one.
+Topics are found as they appear, whatever their names and types. Messages are kept as serialized
+bytes. Fast topics are thinned to a grid of simulated time, unless record_mode is `full`: then
+every message is kept, and the bridge's parameter `lossless` makes it wait for this reader rather
+than lose one.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ from rclpy.task import Future
 
 from ghc_controller.errors import ConfigurationError, InvalidValue
 from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.process.freed_memory import return_freed_memory
 from ghc_controller.ros.qos import recording_qos
+from ghc_controller.ros.rejections import Rejections
 from ghc_controller.ros.run import guarded, run_node
 from ghc_controller.ros.wire.cdr import STAMP_END, read_stamp
 from ghc_controller.types import NANOSECONDS
@@ -39,7 +41,8 @@ from ghc_sim_bridge.ros.offered_qos import offered_qos, type_hash
 
 NODE_NAME = "recorder"
 DISCOVERY_PERIOD = 0.1  # [s] wall
-GRACE = 0.3  # [s] wall for the last words of nodes that end together with this one
+TRIM_PERIOD = 10.0  # [s] wall, between two times that memory of written chunks is given back
+GRACE = 0.3  # [s] wall for the last messages of nodes that end together with this one
 BACKLOG = 300  # [-] messages found waiting at once: this reader was behind, there may be more
 PATIENCE = 8.0  # [s] wall for all of them
 CLOCK_TOPIC = "/clock"
@@ -57,7 +60,7 @@ def is_fast(topic: str) -> bool:
 
 
 class Recorder:
-    """Subscribes to what appears and hands the bytes to the recording."""
+    """Subscribes to topics as they appear and passes the bytes to the recording."""
 
     def __init__(self, stop: Future) -> None:
         """Open the file and look for topics.
@@ -72,10 +75,12 @@ class Recorder:
             raise InvalidValue(f"'output' is a folder, such as {p.output.removesuffix('.mcap')}")
         self._recording = KeptRecording(Path(p.output), self.node.get_logger().error)
         self._stop = stop
+        self._rejections = Rejections()
         self._known: set[str] = set()
         self._listeners: list[tuple[Subscription, type, Receive]] = []
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         self.node.create_timer(DISCOVERY_PERIOD, guarded(stop, self._on_timer), clock=wall)
+        self.node.create_timer(TRIM_PERIOD, return_freed_memory, clock=wall)
         self._discover()
 
     def _on_timer(self) -> None:
@@ -116,13 +121,23 @@ class Recorder:
         # EventsExecutor of Jazzy fails on callbacks that ask for the middleware's time stamps.
         stamp_ns = read_stamp(data) if len(data) >= STAMP_END else None
         if topic == CLOCK_TOPIC and stamp_ns is not None:
-            self._recording.clock(stamp_ns)
-        # What is too short for a stamp is not thinned: somebody will look for it.
+            self._take_clock(stamp_ns)
+        # Messages too short for a stamp are not thinned.
         if decimator is None or stamp_ns is None or decimator.keeps(stamp_ns):
             self._recording.write(topic, data)
 
+    def _take_clock(self, stamp_ns: int) -> None:
+        """Simulated time is `stamp_ns` [ns]; the format of the file has no negative times."""
+        if stamp_ns >= 0:
+            self._recording.clock(stamp_ns)
+        elif self._rejections.count(CLOCK_TOPIC, time.monotonic()):
+            self.node.get_logger().warning(
+                f"{CLOCK_TOPIC}: {stamp_ns * 1e-9:g} s given, 0 or more expected; the recording "
+                "goes on at the time before"
+            )
+
     def close(self) -> None:
-        """Take what is still on the way, and write the file's index."""
+        """Receive pending messages, and write the file's index."""
         began = time.monotonic()
         end = began + GRACE
         while time.monotonic() < end:
@@ -133,7 +148,7 @@ class Recorder:
         self._recording.close()
 
     def _take_waiting(self) -> int:
-        """Receive what waits in the readers without an executor; how many messages it was."""
+        """Receive pending messages without an executor; returns their number."""
         count = 0
         for listener, kind, receive in self._listeners:
             with listener.handle:
@@ -150,7 +165,7 @@ def _begins_with_stamp(kind: Any) -> bool:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Record until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    """Record until a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
     return run_node(NODE_NAME, Recorder, args)
 
 

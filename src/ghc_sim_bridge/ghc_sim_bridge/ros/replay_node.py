@@ -1,7 +1,7 @@
 """Publishes a recorded run again: all its topics, and /clock, at a chosen rate.
 
-For RViz, the viewer and tests where `ros2 bag play` is not installed. Messages go out as the bytes
-that were recorded, in their order; a recording that was cut is played up to there.
+For RViz, the viewer and tests where `ros2 bag play` is not installed. Messages are published as
+the recorded bytes, in their order; a truncated recording is played up to its end.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ PATIENCE = 5.0  # [s] wall until reliable readers have the last messages
 
 
 class Replay:
-    """Reads the file message by message and publishes what is due."""
+    """Reads the file message by message and publishes those that are due."""
 
     def __init__(self, stop: Future) -> None:
-        """Look through the recording and announce its topics; `stop` ends the node.
+        """Scan the recording and announce its topics; `stop` ends the node.
 
         Raises:
             GhcError: a parameter or the recording cannot be used.
@@ -124,7 +124,7 @@ def replay_qos(topic: BagTopic) -> QoSProfile:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Replay until the end or a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    """Replay until the end or a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
     return run_node(NODE_NAME, Replay, args)
 
 

@@ -1,4 +1,4 @@
-"""One run: nodes as processes, scripted messages, the wait for the end, and what came of it."""
+"""One run: nodes as processes, scripted messages, waiting for the end, and the results."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
-    """What a run left, besides the files of its folder."""
+    """Results of a run, in addition to the files of its folder."""
 
     exit_codes: Mapping[str, int | None]
     wall_seconds: float  # from the release of time to the last state
@@ -46,7 +46,7 @@ def run_experiment(plan: RunPlan) -> RunOutcome:
     """Run one plan over DDS; everything that is written goes to plan.folder.
 
     Raises GhcError (a node died, a transition was rejected, something did not come in time,
-    another experiment writes the folder).
+    another experiment writes the folder, or runs in the domain that ROS_DOMAIN_ID names).
     """
     with folder_lock(plan.folder):
         return _run(plan)
@@ -54,7 +54,7 @@ def run_experiment(plan: RunPlan) -> RunOutcome:
 
 def _run(plan: RunPlan) -> RunOutcome:
     robot = _prepare_folder(plan)
-    domain = DomainLock()
+    domain = DomainLock(alone=True)
     stay_on_this_host()
     os.environ["ROS_LOG_DIR"] = str(plan.folder / "logs")
     environment = os.environ | {"ROS_DOMAIN_ID": str(domain.id)}
@@ -82,7 +82,7 @@ def _placement(plan: RunPlan, domain: DomainLock) -> dict[str, Cpus]:
 def _prepare_folder(plan: RunPlan) -> Path:
     """Make an empty folder with the parameters of all nodes; the robot file to be used."""
     robot = find_robot(str(plan.parameters["controller"]["robot"]))
-    find_urdf(read_yaml(robot).value("urdf"), robot)  # a missing model is told before the rest
+    find_urdf(read_yaml(robot).value("urdf"), robot)  # report a missing model first
     if plan.folder.exists():
         shutil.rmtree(plan.folder)
     mark_home(plan.scenario, plan.folder.parent)

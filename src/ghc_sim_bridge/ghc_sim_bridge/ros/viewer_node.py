@@ -1,4 +1,4 @@
-"""Shows a run live in the Rerun viewer, in a process of its own, at no more than 50 Hz.
+"""Shows a run live in the Rerun viewer, in a separate process, at no more than 20 Hz.
 
 Subscribes joint_states and ghc/controller_state. Parameters see ViewerParameters.
 """
@@ -6,6 +6,7 @@ Subscribes joint_states and ghc/controller_state. Parameters see ViewerParameter
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -22,7 +23,8 @@ from sensor_msgs.msg import JointState
 from ghc_controller.robot.library import find_robot
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS
-from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.rejections import Rejections
+from ghc_controller.ros.run import guarded, run_node, tolerant
 from ghc_controller.ros.wire.cdr import read_stamp
 from ghc_sim_bridge.parameters import ViewerParameters
 from ghc_sim_bridge.ros.conversions import pose_of
@@ -33,7 +35,8 @@ from ghc_sim_bridge.viewer.process import ViewerProcess, has_screen, start_viewe
 from ghc_sim_bridge.viewer.recording import position_tasks
 
 NODE_NAME = "viewer"
-FRAME_PERIOD = 0.02  # [s] wall
+FRAME_PERIOD = 0.05  # [s] wall: what a browser without a graphics card keeps up with
+REPORT = "ghc/controller_state"
 
 
 class Viewer:
@@ -59,6 +62,7 @@ class Viewer:
             self._viewer = self._start_viewer(p.display)
             self._recording.connect_grpc(self._viewer.url)
         self._view = LiveView(self._recording, scene, targets)
+        self._rejections = Rejections()
         self._state = b""
         self._report = b""
         self._odometry = b""
@@ -73,13 +77,13 @@ class Viewer:
 
     def _listen(self, stop: Future) -> None:
         node = self.node
-        # As bytes: of a thousand messages a second only the fifty that are shown are read.
+        # As bytes: of a thousand messages a second only the twenty that are shown are read.
         node.create_subscription(
             JointState, "joint_states", self._on_state, CONTROL_SUBSCRIBER_QOS, raw=True
         )
         node.create_subscription(
             ControllerState,
-            "ghc/controller_state",
+            REPORT,
             self._on_report,
             CONTROL_SUBSCRIBER_QOS,
             raw=True,
@@ -101,32 +105,42 @@ class Viewer:
         self._report = data
 
     def _show(self) -> None:
+        tolerant(self._draw_state, "joint_states", self._reject)()
+        tolerant(self._draw_report, REPORT, self._reject)()
+
+    def _draw_state(self) -> None:
         if self._state and (self._odometry or not self._floats):
-            state = deserialize_message(self._state, JointState)
+            data, self._state = self._state, b""
+            state = deserialize_message(data, JointState)
             self._view.show_state(
-                read_stamp(self._state) * 1e-9,
+                read_stamp(data) * 1e-9,
                 state.name,
                 np.array(state.position),
                 np.array(state.effort),
                 pose_of(self._odometry) if self._floats else None,
             )
-            self._state = b""
+
+    def _draw_report(self) -> None:
         if self._report:
-            report = deserialize_message(self._report, ControllerState)
-            self._view.show_report(read_stamp(self._report) * 1e-9, report)
-            self._report = b""
+            data, self._report = self._report, b""
+            report = deserialize_message(data, ControllerState)
+            self._view.show_report(read_stamp(data) * 1e-9, report)
+
+    def _reject(self, field: str, reason: str) -> None:
+        if self._rejections.count(field, time.monotonic()):
+            self.node.get_logger().warning(f"{field} is not shown: {reason}")
 
     def close(self) -> None:
-        """Send what is left; a served page ends with this node, a window stays open."""
+        """Send pending data; the window or page stays until the user closes it."""
         self._show()
         self._recording.flush()
         self._recording.disconnect()
         if self._viewer is not None:
-            self._viewer.end()
+            self._viewer.leave()
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Show the run until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    """Show the run until a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
     return run_node(NODE_NAME, Viewer, args)
 
 

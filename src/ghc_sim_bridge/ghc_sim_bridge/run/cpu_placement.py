@@ -1,11 +1,11 @@
-"""Which CPUs the nodes of a run may use."""
+"""CPU affinity of the nodes of a run."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable
 
-TAKING_TURNS = ("sim_bridge", "controller")  # in lockstep only one of them ever works
+TAKING_TURNS = ("sim_bridge", "controller")  # in lockstep only one of them is busy
 
 Cpus = frozenset[int]
 
@@ -15,12 +15,12 @@ def lockstep_placement(
 ) -> dict[str, Cpus]:
     """Node -> CPUs of a run in lockstep; empty where there is only one CPU.
 
-    The nodes that take turns share one CPU: it never falls asleep between a state and its
-    command, and finds its caches as it left them. All others have the rest. Runs with
-    consecutive numbers use different CPUs.
+    The nodes that take turns share one CPU: it does not idle between a state and its command,
+    and its caches stay valid. All other nodes share the rest. Runs with consecutive numbers use
+    different CPUs.
 
     Args:
-        available: CPUs of this process when not given.
+        available: usable CPUs; default: those of this process.
     """
     cpus = sorted(os.sched_getaffinity(0) if available is None else available)
     if len(cpus) < 2:

@@ -2,44 +2,52 @@
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import os
-import tempfile
 from pathlib import Path
-from typing import IO
 
 from ghc_controller.errors import GhcError
+from ghc_sim_bridge.run.shared_folder import open_shared, shared_folder, try_lock
 
-# Ids above 101 lead to ports in Linux' ephemeral range.
+# Ids above 101 use ports in the ephemeral range of Linux.
 _DOMAINS = range(1, 102)
+_FOLDER = "ghc_ros_domains"  # of lock files
 
 
 class DomainLock:
     """Holds a domain id by a lock file until `release`; the lock ends with the process."""
 
-    def __init__(self) -> None:
-        self._file: IO[str] | None = None
+    def __init__(self, alone: bool = False) -> None:
+        """Reserve a free id, or the one of ROS_DOMAIN_ID.
+
+        Args:
+            alone: do not share a given id with another user that is `alone`.
+
+        Raises:
+            GhcError: no id is free, or the given one is taken.
+        """
+        self._file: int | None = None
         given = os.environ.get("ROS_DOMAIN_ID", "")
         self.id = int(given) if given.isdigit() else self._take()
+        if self._file is None and alone:
+            self._file = _locked(shared_folder(_FOLDER) / f"{self.id}.experiment.lock")
+            if self._file is None:
+                raise GhcError(
+                    f"another experiment runs in the domain of ROS_DOMAIN_ID={self.id}: wait for "
+                    "its end, or unset it, and each takes a domain of its own"
+                )
 
     def release(self) -> None:
-        """Give the id back."""
+        """Release the id."""
         if self._file is not None:
-            self._file.close()
+            os.close(self._file)
             self._file = None
 
     def _take(self) -> int:
-        folder = Path(tempfile.gettempdir()) / "ghc_ros_domains"
-        with contextlib.suppress(FileExistsError):
-            folder.mkdir()
-            folder.chmod(0o1777)  # whatever the umask: other users of this host lock here too
+        folder = shared_folder(_FOLDER)
         for domain in _DOMAINS:
-            with contextlib.ExitStack() as held, contextlib.suppress(OSError):
-                file = held.enter_context(_open_lock(folder / f"{domain}.lock"))
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                held.pop_all()
-                self._file = file
+            self._file = _locked(folder / f"{domain}.lock")
+            if self._file is not None:
                 return domain
         raise GhcError(
             f"no free ROS domain among {_DOMAINS[0]} to {_DOMAINS[-1]} (locks in {folder}); set "
@@ -47,11 +55,13 @@ class DomainLock:
         )
 
 
-def _open_lock(path: Path) -> IO[str]:
-    """The file to lock, which may belong to another user; OSError where it cannot be opened."""
+def _locked(path: Path) -> int | None:
+    """Descriptor of a locked file; None if another process has it, or it cannot be opened."""
     try:
-        return path.open(encoding="utf-8")  # a lock needs no right to write
-    except FileNotFoundError:
-        with path.open("x", encoding="utf-8"):
-            path.chmod(0o666)
-        return path.open(encoding="utf-8")
+        file = open_shared(path)
+    except OSError:
+        return None
+    if try_lock(file, fcntl.LOCK_EX):
+        return file
+    os.close(file)
+    return None

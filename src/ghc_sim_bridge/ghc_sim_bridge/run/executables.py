@@ -1,4 +1,4 @@
-"""Installed executables, found through the ament index as `ros2 run` finds them."""
+"""Finds installed executables through the ament index, as `ros2 run` does."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _INDEX = Path("share", "ament_index", "resource_index", "packages")
 
 
 def find_executable(package: str, executable: str) -> Path:
-    """The one executable file of that name below lib/<package>.
+    """The executable file of that name below lib/<package>.
 
-    Raises GhcError when the package is not in the ament index or has several of that name,
-    UnknownName when it has none.
+    Raises GhcError if the package is not in the ament index or the name is ambiguous,
+    UnknownName if there is no such executable.
     """
     prefix = package_prefixes().get(package)
     if prefix is None:
@@ -39,7 +39,7 @@ def find_executable(package: str, executable: str) -> Path:
 
 
 def executables(prefix: Path, package: str) -> list[Path]:
-    """Executable files below lib/<package> of an install prefix; hidden folders do not count."""
+    """Executable files below lib/<package> of an install prefix, without hidden folders."""
     found = []
     for folder, inner, names in os.walk(prefix / "lib" / package):
         inner[:] = [name for name in inner if not name.startswith(".")]

@@ -1,4 +1,4 @@
-"""One experiment at a time writes a folder of results."""
+"""Lock of a results folder, so that only one experiment at a time writes to it."""
 
 from __future__ import annotations
 
@@ -9,16 +9,23 @@ from pathlib import Path
 
 from ghc_controller.errors import GhcError
 
+_held: set[Path] = set()  # by this process
+
 
 @contextmanager
 def folder_lock(folder: Path) -> Iterator[None]:
-    """Hold `folder`, which need not exist, until the context is left or the process ends.
+    """Lock `folder`, which need not exist, until the context or the process ends.
+
+    The lock is reentrant: an experiment holds it, and so does each of its runs.
 
     Raises:
-        GhcError: another process holds it.
+        GhcError: another process holds the lock.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
-    path = folder.parent / f".{folder.name}.lock"
+    path = folder.parent.resolve() / f".{folder.name}.lock"
+    if path in _held:
+        yield
+        return
     with path.open("a", encoding="utf-8") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -27,4 +34,8 @@ def folder_lock(folder: Path) -> Iterator[None]:
                 f"{folder} is being written by another experiment: wait for its end, or give "
                 "another folder with --output"
             ) from error
-        yield
+        _held.add(path)
+        try:
+            yield
+        finally:
+            _held.remove(path)

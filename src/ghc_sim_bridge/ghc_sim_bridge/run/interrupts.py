@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM for commands that start processes: all is ended, one line, exit code 130."""
+"""Ctrl-C and SIGTERM for commands with child processes: ends them, exit code 130."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ INTERRUPTED = 130
 
 
 def interruptible(name: str, command: Callable[[], int]) -> int:
-    """Exit code of a command; both signals unwind it, so that its processes are ended."""
+    """Run a command and return its exit code; both signals unwind it and end its processes."""
     interrupt_on_stop_signals()
     try:
         code = command()

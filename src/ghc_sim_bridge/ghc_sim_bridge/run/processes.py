@@ -1,4 +1,4 @@
-"""Nodes as processes of their own: watched, and ended in order."""
+"""Starts nodes as processes, monitors them, and ends them in order."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from ghc_sim_bridge.run.executables import find_executable
 
 _TAIL_LINES = 15
 _PR_SET_PDEATHSIG = 1  # of linux/prctl.h
-_LIBC = ctypes.CDLL(None)  # loaded here, since a child may not do it between fork and exec
+_LIBC = ctypes.CDLL(None)  # loaded here, since loading between fork and exec is not safe
 
 
 class ProcessFailure(GhcError):
-    """A node ended although it should not have."""
+    """A node ended unexpectedly."""
 
 
 class NodeProcess:
-    """One node: its process in a process group of its own, its output in a file."""
+    """One node: a process in its own process group, with output to a file."""
 
     def __init__(
         self,
@@ -59,16 +59,16 @@ class NodeProcess:
 
     @property
     def pid(self) -> int:
-        """Process id; that of the node itself, which is started without a shell."""
+        """Process id of the node, which is started without a shell."""
         return self._process.pid
 
     def last_lines(self, count: int = _TAIL_LINES) -> str:
-        """The end of what the node printed."""
+        """The end of the node's output."""
         text = self.log.read_text(encoding="utf-8", errors="replace")
         return "\n".join(text.splitlines()[-count:])
 
     def send(self, number: signal.Signals) -> None:
-        """Send a signal to the node's process group, if it still runs."""
+        """Send a signal to the node's process group, if it is running."""
         if self.exit_code is None:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._process.pid, number)
@@ -83,7 +83,7 @@ class NodeProcess:
 
 
 class NodeProcesses:
-    """The processes of one run; leaving the context ends all that still run."""
+    """The processes of one run; leaving the context ends all running ones."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class NodeProcesses:
         environment: Mapping[str, str],
         placement: Mapping[str, Cpus] | None = None,
     ) -> None:
-        """Logs go to `folder`; `placement` says on which CPUs a node runs, if not on any."""
+        """Logs go to `folder`; `placement` restricts the CPUs of nodes."""
         self._folder = folder
         self._environment = environment
         self._placement = placement or {}
@@ -112,9 +112,9 @@ class NodeProcesses:
         )
 
     def check(self, may_end: Iterable[str] = ()) -> None:
-        """Raise ProcessFailure, with the node's last output, when one has ended.
+        """Raise ProcessFailure, with the node's last output, if a node has ended.
 
-        Those that `may_end` are free to end in order, with exit code 0.
+        Nodes in `may_end` may exit with code 0.
         """
         for node in self._nodes.values():
             if node.exit_code == 0 and node.name in may_end:
@@ -126,7 +126,7 @@ class NodeProcesses:
                 )
 
     def stop(self, names: Iterable[str] | None = None, patience: float = 15.0) -> None:
-        """End nodes (all by default) by SIGINT; SIGKILL for what runs on after `patience` [s]."""
+        """End nodes (all by default) by SIGINT, and by SIGKILL after `patience` [s]."""
         chosen = [self._nodes[name] for name in (self._nodes if names is None else names)]
         for node in chosen:
             node.send(signal.SIGINT)
@@ -137,11 +137,11 @@ class NodeProcesses:
                 node.wait(time.monotonic() + 5.0)
 
     def log_of(self, name: str) -> Path:
-        """Where the output of a node goes."""
+        """Log file of a node."""
         return self._nodes[name].log
 
     def last_lines(self, name: str) -> str:
-        """The end of what a node printed."""
+        """The end of a node's output."""
         return self._nodes[name].last_lines()
 
     def pid_of(self, name: str) -> int:
@@ -161,8 +161,8 @@ def describe_exit(code: int) -> str:
 
 
 def _prepare_child(cpus: Cpus | None) -> None:
-    """Let signals end the child and take its CPUs; ask Linux for a SIGINT when the parent dies, so
-    that a killed run leaves no node behind."""
+    """In the child: restore signal actions, set CPUs, and request a SIGINT when the parent dies,
+    so that a killed run leaves no nodes running."""
     restore_stop_signals()
     if sys.platform != "linux":
         return

@@ -1,4 +1,4 @@
-"""Progress of a run on the terminal: a bar, or one line a phase where nobody watches."""
+"""Progress of a run: a bar on a terminal, otherwise one line per phase."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _BAR = "{desc} |{bar:24}| {n:6.2f} / {total:.2f} s simulated, {postfix}"
 
 
 class Progress:
-    """Shows simulated time, real time factor and the hierarchy in force."""
+    """Shows simulated time, real time factor and the current hierarchy."""
 
     def __init__(self, title: str, duration: float) -> None:
         """`duration` [s] is the simulated length of the run."""
@@ -33,7 +33,7 @@ class Progress:
             self._bar.close()
 
     def update(self, simulated: float, hierarchy: str) -> None:
-        """Show the simulated time [s] and the hierarchy in force."""
+        """Show the simulated time [s] and the current hierarchy."""
         factor = simulated / max(time.monotonic() - self._began, 1e-9)
         if self._bar is not None:
             self._bar.n = min(simulated, self._duration)

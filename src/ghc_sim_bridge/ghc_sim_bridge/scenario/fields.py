@@ -1,9 +1,10 @@
-"""Declared fields of a scenario file: what one experiment runs."""
+"""Declared fields of a scenario file, which defines one experiment."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +17,22 @@ from ghc_mpc_constraints.generator import GENERATORS
 from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 from ghc_sim_bridge.scenario.keyframes import Keyframes
-from ghc_sim_bridge.scenario.node_sections import NODES, read_formulations, read_parameters
+from ghc_sim_bridge.scenario.node_sections import (
+    NODES,
+    SHARE_NODE,
+    read_formulations,
+    read_parameters,
+    read_share,
+)
 from ghc_sim_bridge.scenario.phase import Phase
 from ghc_sim_bridge.scenario.references import Reference, ReferenceFields, read_references
 from ghc_sim_bridge.scenario.schedules import (
     SECTIONS,
     Event,
     LimitFields,
+    MarginFields,
     ScheduleFields,
     read_generators,
-    read_limits,
     read_schedules,
 )
 from ghc_sim_bridge.scenario.walk.walk import Walk
@@ -33,12 +40,12 @@ from ghc_sim_bridge.scenario.walk.walk import Walk
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
-    """One experiment, ready to be planned; the last three fields are not of the file."""
+    """One experiment, ready for planning; the last three fields are not in the file."""
 
     name: str = declared("folder below results/; empty = name of the file", "")
-    title: str = declared("words for tables")
-    robot: str = declared("name of a robot, or path from where the run is started")
-    scene: str = declared("name of a scene, or path from where the run is started")
+    title: str = declared("title in tables")
+    robot: str = declared("name of a robot, or path relative to the working directory")
+    scene: str = declared("name of a scene, or path relative to the working directory")
     formulation: str = declared("name of a formulation", DEFAULT_FORMULATION)
     control_dt: float = declared(
         "control period", CONTROL_DT, unit="s", domain=Range(minimum=1e-6)
@@ -79,6 +86,13 @@ class Scenario:
             FORMULATIONS.built_in, schema.parameters_of("controller")
         ),
     )
+    priority_share: Mapping[str, Any] = declared(
+        "parameters of a node priority_share, which is then started: two orders, the second one "
+        "by the error of a task",
+        dict,
+        read=read_share,
+        schema=lambda schema: schema.parameters_of(SHARE_NODE),
+    )
     robot_changes: Mapping[str, Any] = declared(
         "merged into robot.yaml, tasks and contacts found by name", dict
     )
@@ -89,48 +103,54 @@ class Scenario:
         schema=lambda schema: schema.node_parameters(GENERATORS.built_in),
     )
     contact_schedules: tuple[ContactSchedule, ...] = declared(
-        "what each contact may carry, for the generator of force bounds",
+        "force bounds of each contact over time, for the generator of force bounds",
         (),
-        read=read_schedules,
+        read=partial(read_schedules, entry=ScheduleFields),
         schema=lambda schema: {"type": "array", "items": schema.record(ScheduleFields)},
     )
     joint_limit_schedules: tuple[LimitSchedule, ...] = declared(
-        "where joints may be [rad], for the generator of joint limits",
+        "position limits over time [rad], for the generator of joint limits",
         (),
-        read=read_limits,
+        read=partial(read_schedules, entry=LimitFields),
         schema=lambda schema: {"type": "array", "items": schema.record(LimitFields)},
     )
     torque_limit_schedules: tuple[LimitSchedule, ...] = declared(
-        "what motors may give [Nm], for the generator of torque limits",
+        "torque limits over time [Nm], for the generator of torque limits",
         (),
-        read=read_limits,
+        read=partial(read_schedules, entry=LimitFields),
         schema=lambda schema: {"type": "array", "items": schema.record(LimitFields)},
     )
-    events: tuple[Event, ...] = declared(
-        "jumps whose cost is compared without and with generators", ()
+    body_margin_schedules: tuple[LimitSchedule, ...] = declared(
+        "margins between bodies over time [m], for the generator of margins",
+        (),
+        read=partial(read_schedules, entry=MarginFields),
+        schema=lambda schema: {"type": "array", "items": schema.record(MarginFields)},
     )
+    events: tuple[Event, ...] = declared("events around which torque rates are compared", ())
     raw_bounds_only: bool = declared(
-        "a way of its own to be smooth: never run with generators on", False
+        "this variant always runs with raw bounds, without generators", False
     )
-    watched_joints: tuple[str, ...] = declared("whose torques the comparison of ways looks at", ())
+    watched_joints: tuple[str, ...] = declared(
+        "joints whose torques are compared over all variants", ()
+    )
     standing_height: float | None = declared(
         "of a floating base at the end; left out = as at the start",
         None,
         unit="m",
         domain=NOT_NEGATIVE,
     )
-    paper: Mapping[str, Any] = declared("what the paper says, copied into the summary", dict)
+    paper: Mapping[str, Any] = declared("figures of a paper, copied into the summary", dict)
     file: Path = Path()
     variant: str = ""  # "" when the file has no variants
     variants: tuple[str, ...] = ()  # all names in the file, the default one first
 
     def schedules(self) -> Mapping[str, tuple[LimitSchedule, ...]]:
-        """Topic -> what goes there before time runs; without those that are empty."""
+        """Topic -> schedules sent before time runs; topics without schedules are omitted."""
         found = {topic: getattr(self, section) for section, topic in SECTIONS.items()}
         return {topic: schedules for topic, schedules in found.items() if schedules}
 
     def __post_init__(self) -> None:
-        """Raise InvalidField for events that do not follow each other."""
+        """Raise InvalidField for events with times that do not increase."""
         for k, (before, after) in enumerate(zip(self.events, self.events[1:], strict=False)):
             if after.time <= before.time:
                 raise InvalidField(

@@ -1,4 +1,4 @@
-"""Where the results of a scenario go: two files of one name never share a folder."""
+"""Result folders of scenarios: two files with the same name never share a folder."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from pathlib import Path
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.scenario import find_scenario, scenario_names
 
-MARK = ".scenario"  # file that says whose folder it is: the path of the scenario's file
+MARK = ".scenario"  # file in a result folder with the path of the scenario's file
 
 
 def results_home(scenario: Scenario, output: Path) -> Path:
     """Folder of all variants of a scenario under the root `output`.
 
-    It has the scenario's name. Where that is the name of another scenario, or is marked by another
-    file, the name is followed by eight digits made from the path of the file.
+    Named after the scenario. If this is the name of another scenario, or marked by another file,
+    eight digits derived from the path of the file are appended.
     """
     home = output / scenario.name
     if _has_its_name(scenario):
@@ -29,14 +29,14 @@ def results_home(scenario: Scenario, output: Path) -> Path:
 
 
 def mark_home(scenario: Scenario, home: Path) -> None:
-    """Say in the folder `home`, which is made if need be, whose it is."""
+    """Mark the folder `home` with its scenario's file; creates the folder if needed."""
     home.mkdir(parents=True, exist_ok=True)
     if not _has_its_name(scenario):
         (home / MARK).write_text(str(scenario.file.resolve()), encoding="utf-8")
 
 
 def _has_its_name(scenario: Scenario) -> bool:
-    """Whether the scenario is found by its name: of this package, or of a plug-in."""
+    """Whether the scenario is available by name: of this package, or of a plug-in."""
     if scenario.name not in scenario_names():
         return False
     return find_scenario(scenario.name).resolve() == scenario.file.resolve()

@@ -1,7 +1,7 @@
-"""From postures to what tasks see of them: references by forward kinematics.
+"""Computes task references from postures by forward kinematics.
 
-The robot stands on the frames that its scene names (`base.stand_on`): they stay where they are,
-and the base moves as the joints want it. A robot with a fixed base needs nothing of that.
+The robot stands on the frames listed in its scene (`base.stand_on`): they stay fixed, and the base
+motion follows from the joints. Fixed-base robots need no such frames.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from ghc_sim_bridge.scene.description import load_scene
 from ghc_sim_bridge.scene.values import SceneDescription
 
 _BASE = 6  # velocity coordinates of a floating base
-_SLIP = 1e-3  # [m] that the other frames of `stand_on` may move as seen from the first one
+_SLIP = 1e-3  # [m] largest motion of the other frames of `stand_on` relative to the first one
 
 
 def keyframe_references(keyframes: Keyframes, robot: str, scene: str) -> tuple[Reference, ...]:
     """References of `keyframes.tasks` with velocities and accelerations, posture by posture.
 
     Raises:
-        UnknownName: a task or joint that the robot has not.
-        ConfigurationError: robot or scene cannot be used, or the frames that it stands on would
-            have to move against each other.
+        UnknownName: a task or joint that the robot does not have.
+        ConfigurationError: robot or scene is invalid, or the frames that it stands on would move
+            relative to each other.
     """
     config = load_robot_config(find_robot(robot))
     description = load_scene(scene)
@@ -64,18 +64,19 @@ def _joints_of(task: Task) -> tuple[str, ...]:
 
 
 def _point(task: Task, model: RobotModel, time: float, v: Array, a: Array) -> ReferencePoint:
-    """What the task sees at the last update: value, J v, and J a + dJ/dt v."""
+    """Task variable at the last update, J v, and J a + dJ/dt v."""
     position = task.current(model).copy()
     rows = task.measured(model, task.static_target(position))
-    velocity, acceleration = rows.jacobian @ v, rows.jacobian @ a + rows.drift
+    velocity = task.as_reference(model, rows.jacobian @ v)
+    acceleration = task.as_reference(model, rows.jacobian @ a + rows.drift)
     return ReferencePoint(time, tuple(position), tuple(velocity), tuple(acceleration))
 
 
 def _whole_motion(
     config: Robot, scene: SceneDescription, joints: JointMotion
 ) -> tuple[Array, Array, Array, Array]:
-    """q (nq,), v (nv,), a (nv,), and origins (frames, 3) [m] of what it stands on as seen
-    from the first of them."""
+    """q (nq,), v (nv,), a (nv,), and origins (frames, 3) [m] of the frames that it stands on,
+    relative to the first one."""
     if scene.base is None:
         return joints.position, joints.velocity, joints.acceleration, np.zeros((0, 3))
     model = config.model

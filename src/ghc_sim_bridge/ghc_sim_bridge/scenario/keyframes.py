@@ -1,7 +1,7 @@
-"""Postures at times, out of which the references of several tasks are computed.
+"""Keyframe postures, from which the references of several tasks are computed.
 
-A motion of the whole body is easier said by its postures than by what each task sees of it: the
-joints go from posture to posture, at rest in each, along minimum jerk polynomials.
+Whole-body motions are easier to define by postures than by the references of each task. The joints
+move from posture to posture, at rest in each, along minimum-jerk polynomials.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ghc_controller.errors import InvalidField
+from ghc_controller.numerics.minimum_jerk import minimum_jerk
 from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, Range
 from ghc_controller.types import Array
-from ghc_sim_bridge.scenario.posture_motion import minimum_jerk
 
 _NONE: Mapping[str, float] = {}
 
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
-    """A posture at which the robot is at rest."""
+    """A posture with zero velocity and acceleration."""
 
     time: float = declared("simulated", unit="s", domain=NOT_NEGATIVE)
     joints: Mapping[str, float] = declared(
@@ -32,7 +32,7 @@ class Keyframe:
 
 @dataclass(frozen=True, slots=True)
 class Keyframes:
-    """A motion as postures, and the tasks that follow it."""
+    """A motion through postures, and the tasks that follow it."""
 
     tasks: tuple[str, ...] = declared(
         "the tasks that get a reference", of="task names", empty=False
@@ -58,7 +58,7 @@ class Keyframes:
                 )
 
     def sample_times(self) -> tuple[float, ...]:
-        """Points [s] no more than `sample` apart, the keyframes among them."""
+        """Times [s] at most `sample` apart, including the keyframes."""
         times = [self.postures[0].time]
         for start, end in zip(self.postures[:-1], self.postures[1:], strict=True):
             span = end.time - start.time
@@ -69,7 +69,7 @@ class Keyframes:
 
 @dataclass(frozen=True, slots=True)
 class JointMotion:
-    """Where the joints are at an instant."""
+    """Joint state at an instant."""
 
     position: Array  # (na,) [rad]
     velocity: Array  # (na,) [rad/s]
@@ -79,7 +79,7 @@ class JointMotion:
 def joint_motion(
     keyframes: Keyframes, start: Array, names: Sequence[str], t: float
 ) -> JointMotion:
-    """The joints of `names` at time t [s]; `start` (na,) [rad] is their posture before."""
+    """The joints of `names` at time t [s]; `start` (na,) [rad] is their initial posture."""
     place = {name: k for k, name in enumerate(names)}
     postures = [np.array(start, float)]
     for keyframe in keyframes.postures:
@@ -96,8 +96,5 @@ def joint_motion(
     span = times[segment] - times[segment - 1]
     s = (t - times[segment - 1]) / span
     way = after - before
-    return JointMotion(
-        before + way * minimum_jerk(s),
-        way * (30.0 * s**2 * (1.0 - s) ** 2 / span),
-        way * (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / span**2),
-    )
+    share, rate, change = minimum_jerk(s)
+    return JointMotion(before + way * share, way * (rate / span), way * (change / span**2))

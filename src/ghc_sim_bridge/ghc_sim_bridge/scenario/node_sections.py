@@ -1,4 +1,4 @@
-"""Sections of a scenario that give parameters to nodes: by node, and by formulation."""
+"""Sections of a scenario with node parameters: by node, and by formulation."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.ros.parameters import ControllerParameters
+from ghc_controller.ros.shares.parameters import PriorityShareParameters
 from ghc_controller.schema.reader import Fields
 from ghc_controller.schema.record import read
 from ghc_controller.settings import Settings
@@ -19,13 +20,15 @@ CHECKED: Mapping[str, type] = {
     "controller": ControllerParameters,
     "recorder": RecorderParameters,
     "viewer": ViewerParameters,
+    "priority_share": PriorityShareParameters,
     **{name: generator_parameters(name) for name in GENERATORS.built_in},
 }
-NODES = ("sim_bridge", "controller", "recorder", "viewer")  # and the generators
+NODES = ("sim_bridge", "controller", "recorder", "viewer")  # in addition to generators
+SHARE_NODE = "priority_share"  # started where the scenario has a section of this name
 
 
 def read_parameters(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
-    """Node -> its parameters, checked as the node itself does."""
+    """Node -> its parameters, with the checks of the node."""
     fields = scenario.section(name, optional=True)
     for node in fields.given():
         if node not in NODES and node not in GENERATORS:
@@ -33,6 +36,17 @@ def read_parameters(scenario: Fields, name: str) -> Mapping[str, Mapping[str, An
             raise fields.error(node, f"unknown node; known: {known}")
         read(fields.section(node), CHECKED.get(node) or generator_parameters(node))
     return {node: fields.section(node).values for node in fields.given()}
+
+
+def read_share(scenario: Fields, name: str) -> Mapping[str, Any]:
+    """Parameters of priority_share, with the checks of the node; empty without the section."""
+    if not scenario.has(name):
+        return {}
+    fields = scenario.section(name)
+    read(fields, PriorityShareParameters)
+    for needed in ("first", "second", "task", "begins", "ends"):
+        fields.value(needed)  # the node would reject the default
+    return fields.values
 
 
 def read_formulations(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:

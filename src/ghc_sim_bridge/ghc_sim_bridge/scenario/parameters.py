@@ -1,4 +1,4 @@
-"""The parameters of every node of a run, from its scenario and options."""
+"""Parameters of all nodes of a run, from its scenario and options."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import math
 from typing import Any
 
 from ghc_controller.errors import InvalidValue, UnknownName
+from ghc_controller.schema.declared import flat
 from ghc_mpc_constraints.generator import GENERATORS
+from ghc_mpc_constraints.ros.parameters import generator_parameters
+from ghc_sim_bridge.scenario.node_sections import SHARE_NODE
 from ghc_sim_bridge.scenario.plan import RunPlan
 from ghc_sim_bridge.scenario.schedules import reads_schedules
 from ghc_sim_bridge.scene.description import load_scene
@@ -16,8 +19,8 @@ from ghc_sim_bridge.simulation.timing import PHYSICS_DT
 def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
     """Node -> parameter -> value, for every node that the run starts.
 
-    Raises UnknownName (an option for a node that this run has not) or InvalidValue (generators
-    whose steps differ).
+    Raises UnknownName (an option for a node that is not in this run) or InvalidValue (generators
+    with different steps).
     """
     scenario, folder = plan.scenario, plan.folder
     nodes: dict[str, dict[str, Any]] = {
@@ -38,7 +41,7 @@ def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
             "control_dt": plan.control_dt,
             "torque_rate_limit": scenario.torque_rate_limit,
             "lockstep": plan.options.mode == "lockstep",
-            "arming": "automatic",  # the script begins with the first state
+            "arming": "automatic",  # start with the first state
         },
         "recorder": {
             "output": str(folder / "recording"),
@@ -51,6 +54,8 @@ def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
     if not plan.options.view:
         del nodes["viewer"]
     nodes |= _generator_parameters(plan)
+    if scenario.priority_share:
+        nodes[SHARE_NODE] = dict(scenario.priority_share)
     nodes["controller"] |= _waiting_for(plan)
     for node, values in scenario.parameters.items():
         if node in nodes:
@@ -65,7 +70,7 @@ def node_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
 
 
 def _generator_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
-    """Parameters of the generators of this run, in the order in which they start."""
+    """Parameters of the generators of this run, in start order."""
     scenario = plan.scenario
     lockstep = plan.options.mode == "lockstep"
     nodes: dict[str, dict[str, Any]] = {}
@@ -74,14 +79,16 @@ def _generator_parameters(plan: RunPlan) -> dict[str, dict[str, Any]]:
         if reads_schedules(name):
             nodes[name]["lockstep"] = lockstep
         elif lockstep:
-            # Ticks at multiples of the sensor's period wait for what it saw.
+            # Ticks at multiples of the sensor's period wait for its measurement.
             nodes[name]["sensor_period"] = load_scene(scenario.scene).sensor_period or 0.0
+        if any(entry.name == "robot" for entry in flat(generator_parameters(name))):
+            nodes[name]["robot"] = scenario.robot
         nodes[name].update(scenario.generators[name])
     return nodes
 
 
 def _waiting_for(plan: RunPlan) -> dict[str, Any]:
-    """Parameters of the controller that go with the generators of this run."""
+    """Parameters of the controller for the generators of this run."""
     generators = plan.scenario.generators
     if not generators or plan.options.mode != "lockstep":
         return {}

@@ -1,4 +1,4 @@
-"""Phases of a scenario: which priorities hold, and for how long."""
+"""Phases of a scenario: priorities and durations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ghc_controller.schema.declared import declared
 from ghc_controller.schema.domains import NOT_NEGATIVE, SHARE
 from ghc_controller.schema.reader import Fields
 
-AS_SCENARIO = -1.0  # [s] a hold that no file can give
+AS_SCENARIO = -1.0  # [s] marks a missing hold; not valid in a file
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,5 +71,5 @@ class Phase:
 
     @property
     def table(self) -> PriorityTable | None:
-        """What is used in place of the hierarchy string."""
+        """The matrix used instead of the hierarchy string."""
         return PriorityTable(self.tasks, self.alpha) if self.alpha else None

@@ -1,4 +1,4 @@
-"""The plan of one run: its options, its times, its parameters and its folder."""
+"""The plan of one run: options, times, parameters and folder."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ class RunOptions:
     record: str = "decimated"
     view: bool = False
     mode: str = "lockstep"
-    generators: bool | None = None  # False = they pass raw values through; None = on, if any
+    generators: bool | None = None  # False = raw values pass through; None = on, if any
     parameters: tuple[tuple[str, str, Any], ...] = ()  # (node, parameter, value)
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedPhase:
-    """A phase with its times; it starts with its transition."""
+    """A phase with its times; its transition comes first."""
 
     phase: Phase
     start: float  # [s]
@@ -41,18 +41,18 @@ class PlannedPhase:
 
 @dataclass(frozen=True, slots=True)
 class RunPlan:
-    """Everything that one run needs to know."""
+    """Complete specification of one run."""
 
     scenario: Scenario
     options: RunOptions
     formulation: str
     transition: float  # [s]
-    torque_rate: float  # [Nm/s] budget of each transition, which may then take longer; 0 = none
+    torque_rate: float  # [Nm/s] budget of each transition, which can extend it; 0 = none
     control_dt: float  # [s]
     phases: tuple[PlannedPhase, ...]
     parameters: Mapping[str, Mapping[str, Any]]  # node -> parameter -> value
-    folder: Path  # where everything of this run is written
-    is_default: bool  # whether this is the scenario as it stands
+    folder: Path  # for all output of this run
+    is_default: bool  # whether the scenario is unchanged by options
     changes: Mapping[str, Any] = field(default_factory=dict)  # robot changes
 
     @property

@@ -1,4 +1,4 @@
-"""From a scenario and the options of the command line to one run: times, parameters, folders."""
+"""Plans a run from a scenario and command-line options: times, parameters, folders."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from typing import Any
 
 import yaml
 
+from ghc_controller.constraints.rows.body_distance import margin_names
 from ghc_controller.errors import InvalidValue, UnknownName
 from ghc_controller.formulations import FORMULATIONS, blending_formulations
 from ghc_controller.robot.library import find_robot
+from ghc_controller.robot.robot import load_robot_config
 from ghc_mpc_constraints.generator import GENERATORS
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.home import results_home
 from ghc_sim_bridge.scenario.keyframe_references import keyframe_references
-from ghc_sim_bridge.scenario.node_sections import NODES
+from ghc_sim_bridge.scenario.node_sections import NODES, SHARE_NODE
 from ghc_sim_bridge.scenario.parameters import node_parameters
 from ghc_sim_bridge.scenario.phase import Phase
 from ghc_sim_bridge.scenario.plan import (
@@ -31,7 +33,7 @@ from ghc_sim_bridge.scenario.robot_changes import names_of
 
 
 def parse_parameter(text: str) -> tuple[str, str, Any]:
-    """`node:name:=value` as on the command line of `ros2 run`, with the node before it.
+    """Parse `node:name:=value`: the syntax of `ros2 run` with a leading node name.
 
     Raises InvalidValue or UnknownName (node).
     """
@@ -42,8 +44,9 @@ def parse_parameter(text: str) -> tuple[str, str, Any]:
             f"--param '{text}': node:name:=value is expected, "
             "e.g. controller:torque_rate_limit:=1000.0"
         )
-    if node not in NODES and node not in GENERATORS:
-        raise UnknownName("node", node, (*NODES, *GENERATORS))
+    nodes = (*NODES, SHARE_NODE)
+    if node not in nodes and node not in GENERATORS:
+        raise UnknownName("node", node, (*nodes, *GENERATORS))
     try:
         return node, name, yaml.safe_load(value)
     except yaml.YAMLError as error:
@@ -53,10 +56,10 @@ def parse_parameter(text: str) -> tuple[str, str, Any]:
 def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
     """The run of a scenario under options; `output` is the root of all results.
 
-    An `hqp` run switches at once (a cascade of strict levels has nothing in between) unless a
+    `hqp` runs switch at once (a cascade of strict levels has no intermediate state) unless a
     transition is given. Raises InvalidValue (option out of range, or a torque rate with a
-    formulation that cannot keep it), UnknownName (formulation,
-    mode, robot, contact of a schedule) or ConfigurationError (the robot's file).
+    formulation that cannot keep it), UnknownName (formulation, mode, robot, contact of a
+    schedule) or ConfigurationError (robot.yaml).
     """
     _check_options(options)
     scenario = _with_keyframes(scenario)
@@ -94,7 +97,7 @@ def make_plan(scenario: Scenario, options: RunOptions, output: Path) -> RunPlan:
 
 
 def _with_keyframes(scenario: Scenario) -> Scenario:
-    """The scenario with the references that its postures mean."""
+    """The scenario with the references of its keyframes added."""
     if scenario.keyframes is None:
         return scenario
     given = {reference.task for reference in scenario.references}
@@ -106,19 +109,29 @@ def _with_keyframes(scenario: Scenario) -> Scenario:
 
 
 def _check_names(plan: RunPlan) -> None:
-    """Refuse schedules of contacts, and references of tasks, that the robot of this run has not.
+    """Reject schedules of contacts or joints, and references of tasks, that the robot lacks.
 
-    Raises UnknownName, or ConfigurationError for a robot's file that cannot be read.
+    Raises UnknownName, or ConfigurationError for an unreadable robot.yaml.
     """
     scenario = plan.scenario
     scheduled = [schedule.name for schedule in scenario.contact_schedules]
     moved = [reference.task for reference in scenario.references]
-    if not (scheduled or moved):
+    limits = (*scenario.joint_limit_schedules, *scenario.torque_limit_schedules)
+    bounded = [schedule.name for schedule in limits]
+    margins = [schedule.name for schedule in scenario.body_margin_schedules]
+    if not (scheduled or moved or bounded or margins):
         return
     robot = find_robot(str(plan.parameters["controller"]["robot"]))
     contacts = names_of("contacts", robot, plan.changes)
     tasks = names_of("tasks", robot, plan.changes)
+    if "urdf" in plan.changes:
+        bounded, margins = [], []  # of another model
+    config = load_robot_config(robot) if bounded or margins else None
+    joints = config.model.joint_names if config else ()
+    known_margins = margin_names(config.constraints) if config else ()
     for what, names, known in (
+        ("joint in a schedule", bounded, joints),
+        ("margin in a schedule", margins, known_margins),
         ("contact in a schedule", scheduled, contacts),
         ("task in a reference", moved, tasks + contacts),  # a contact may have a force task
     ):
@@ -128,7 +141,7 @@ def _check_names(plan: RunPlan) -> None:
 
 
 def _torque_rate(scenario: Scenario, options: RunOptions, formulation: str) -> float:
-    """Budget of the transitions [Nm/s]; InvalidValue where the formulation cannot keep it."""
+    """Budget of the transitions [Nm/s]; InvalidValue if the formulation cannot keep it."""
     rate = scenario.torque_rate if options.torque_rate is None else options.torque_rate
     if rate > 0.0 and not FORMULATIONS[formulation].blends:
         able = ", ".join(blending_formulations())
@@ -157,7 +170,7 @@ def _check_options(options: RunOptions) -> None:
 def _time_phases(
     phases: Sequence[Phase], transition: float, control_dt: float
 ) -> tuple[PlannedPhase, ...]:
-    """Phases one after the other, on multiples of the control period."""
+    """Consecutive phases, at multiples of the control period."""
     planned: list[PlannedPhase] = []
     start = 0.0
     for index, phase in enumerate(phases):

@@ -1,7 +1,7 @@
-"""Scripted references of the tasks: points of simulated time, sent before the start.
+"""Scripted task references: points in simulated time, sent before the start.
 
 A static target is one point. A lemniscate is sampled densely enough for the controller's
-interpolation between the points to follow it.
+interpolation to follow it.
 """
 
 from __future__ import annotations
@@ -27,9 +27,7 @@ class ReferencePoint:
     position: Vector = declared("(m,) [m] or [rad]; left out = unchanged", fallback=())
     velocity: Vector = declared("(m,) [m/s] or [rad/s]; left out = zero", ())
     acceleration: Vector = declared("(m,) [m/s^2] or [rad/s^2]; left out = zero", ())
-    wrench: Vector = declared(
-        "(m,) [N] or [Nm] that the robot shall exert on its surroundings", ()
-    )
+    wrench: Vector = declared("(m,) [N] or [Nm] to exert on the environment", ())
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +66,7 @@ class Reference:
     lemniscate: Lemniscate | None = None
 
     def points_until(self, duration: float) -> tuple[ReferencePoint, ...]:
-        """The points to be sent for a run of `duration` [s]."""
+        """The points for a run of `duration` [s]."""
         if self.lemniscate is None:
             return self.points
         count = math.ceil(duration / self.lemniscate.sample) + 1
@@ -77,7 +75,7 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class ReferenceFields:
-    """The reference of one task in a scenario file: one of these fields."""
+    """Reference of one task in a scenario file: exactly one of these fields."""
 
     position: Vector | None = declared("standing position [m] or [rad]", None)
     joints: Mapping[str, float] | None = declared("joint: standing position", None, unit="rad")
@@ -92,7 +90,7 @@ class ReferenceFields:
                 raise InvalidField(f"points[{k + 1}].time", f"{expected}, {after.time:g} given")
 
     def reference(self, task: str) -> Reference:
-        """The reference that is meant."""
+        """The corresponding reference."""
         if self.position is not None:
             return Reference(task, (ReferencePoint(0.0, self.position),))
         if self.joints is not None:

@@ -1,4 +1,4 @@
-"""A robot's YAML with a scenario's changes merged in, written beside the results of the run."""
+"""Merges a scenario's changes into robot.yaml and writes it next to the results of the run."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ghc_controller.schema.reader import Fields, read_yaml
 
 
 def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) -> Path:
-    """Write `source` with `changes` merged in to `target`, and return `target`.
+    """Write `source` merged with `changes` to `target`, and return `target`.
 
-    Mappings merge, null takes a field away; tasks and contacts are found by their name (a list of
-    contacts stands in place of the robot's); the URDF becomes an absolute path. Raises UnknownName
-    for a task or contact that the robot has not, ConfigurationError for anything malformed.
+    Mappings merge, null removes a field; tasks and contacts are matched by name (a list of
+    contacts replaces the robot's); the URDF becomes an absolute path. Raises UnknownName for a
+    task or contact that the robot does not have, ConfigurationError for malformed input.
     """
     robot = _changed(source, changes)
     robot["urdf"] = str(find_urdf(robot.get("urdf"), source).resolve())
@@ -28,16 +28,16 @@ def write_changed_robot(source: Path, changes: Mapping[str, Any], target: Path) 
 
 
 def names_of(kind: str, source: Path, changes: Mapping[str, Any]) -> tuple[str, ...]:
-    """Names of the tasks or contacts (`kind`) that the robot of `source` has with `changes`.
+    """Names of the tasks or contacts (`kind`) of the robot of `source` with `changes`.
 
-    Raises as `write_changed_robot` does, but for the URDF, which is not looked for.
+    Raises as `write_changed_robot`, except for a missing URDF.
     """
     fields = Fields(_changed(source, changes), source)
     return tuple(entry.text("name") for entry in fields.sections(kind, optional=True))
 
 
 def _changed(source: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """What `source` holds, with `changes` merged in."""
+    """Content of `source` merged with `changes`."""
     robot = read_yaml(source).values
     named = {key: value for key, value in changes.items() if _is_by_name(key, value)}
     result = merged(robot, {key: value for key, value in changes.items() if key not in named})
@@ -47,7 +47,7 @@ def _changed(source: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _is_by_name(key: str, value: object) -> bool:
-    """A list of contacts stands in place of the robot's; a mapping changes those that it names."""
+    """Whether entries are matched by name; a list of contacts replaces the robot's instead."""
     return key == "tasks" or (key == "contacts" and isinstance(value, Mapping))
 
 

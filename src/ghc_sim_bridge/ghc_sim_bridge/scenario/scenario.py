@@ -1,9 +1,9 @@
-"""Scenarios as data: found by name or path, and read from their YAML files.
+"""Finds scenarios by name or path, and reads their YAML files.
 
-A scenario names the robot, the scene, the formulation, the task references and the sequence of
-hierarchies. `variants` change fields under a name: mappings merge at any depth, lists and values
-replace, null takes a field away. Files in the package's folder
-`scenario/data/` are found by name; a path finds any other file.
+A scenario defines the robot, the scene, the formulation, the task references and the sequence of
+hierarchies. Named `variants` change fields: mappings merge at any depth, lists and values are
+replaced, null removes a field. Files in `scenario/data/` of the package are found by name, all
+others by path.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ SCENARIOS.register_files("ghc_sim_bridge", "scenario/data/*.yaml")
 
 
 def scenario_names() -> tuple[str, ...]:
-    """Names of the scenarios of this and other packages, sorted."""
+    """Sorted names of the scenarios of this package and of plug-ins."""
     return tuple(SCENARIOS)
 
 
 def find_scenario(name: str) -> Path:
-    """File of a scenario, by its name or by a path that ends in .yaml.
+    """File of a scenario, by its name or a path that ends in .yaml.
 
     Raises UnknownName with the existing names, or PluginError.
     """
@@ -60,7 +60,7 @@ def load_scenario(name: str, variant: str = "") -> Scenario:
 
 
 def _beside(name: str, file: Path) -> str:
-    """A path that begins with "." is meant from the scenario's file."""
+    """Paths that begin with "." are relative to the scenario's file."""
     return str((file.parent / name).resolve()) if name.startswith(".") else name
 
 
@@ -98,9 +98,9 @@ def _read_scenario(
 
 
 def _with_walk(scenario: Scenario) -> Scenario:
-    """The scenario with the references, schedules and events that its walk means.
+    """The scenario with the references, schedules and events of its walk added.
 
-    Raises InvalidField for an event at the time of one of the walk.
+    Raises InvalidField for an event at the same time as one of the walk.
     """
     walk = scenario.walk
     if walk is None:

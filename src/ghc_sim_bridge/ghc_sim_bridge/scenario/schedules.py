@@ -1,10 +1,10 @@
-"""What a scenario says of constraint generators: their parameters, schedules, events."""
+"""Sections of a scenario for constraint generators: parameters, schedules, events."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from ghc_controller.errors import GhcError
 from ghc_controller.schema.declared import declared
@@ -16,17 +16,28 @@ from ghc_mpc_constraints.ros.parameters import generator_parameters
 from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 from ghc_mpc_constraints.schedules.limit_schedule import LimitSchedule
 
+S = TypeVar("S", bound=LimitSchedule)
+S_co = TypeVar("S_co", bound=LimitSchedule, covariant=True)
+
+FARTHEST_MARGIN = 1e3  # [m] upper bound of a margin, which has none
 _KNOWN_FROM = declared(
-    "the generator does not look at it before; 0 = from the start",
+    "the generator does not use it before this time; 0 = from the start",
     0.0,
     unit="s",
     domain=NOT_NEGATIVE,
 )
 
 
+class Entry(Protocol[S_co]):
+    """Fields of one schedule in a scenario file."""
+
+    def schedule(self) -> S_co:
+        """The schedule; GhcError if it is invalid."""
+
+
 @dataclass(frozen=True, slots=True)
 class BoundsFrom:
-    """What a contact may carry from one time on."""
+    """Force bounds of a contact from one time on."""
 
     time: float = declared("simulated", unit="s")
     lower: float = declared("smallest normal force", unit="N")
@@ -42,7 +53,7 @@ class ScheduleFields:
     known_from: float = _KNOWN_FROM
 
     def schedule(self) -> ContactSchedule:
-        """The schedule itself; GhcError as ContactSchedule.checked."""
+        """The schedule; GhcError as ContactSchedule.checked."""
         times, lower, upper = _columns(self.bounds)
         return ContactSchedule.checked(
             self.contact, times, lower, upper, (), self.known_from or None
@@ -51,7 +62,7 @@ class ScheduleFields:
 
 @dataclass(frozen=True, slots=True)
 class LimitsFrom:
-    """What a joint may do from one time on."""
+    """Limits of a joint from one time on."""
 
     time: float = declared("simulated", unit="s")
     lower: float = declared("smallest position or torque", unit="rad or Nm")
@@ -67,9 +78,33 @@ class LimitFields:
     known_from: float = _KNOWN_FROM
 
     def schedule(self) -> LimitSchedule:
-        """The schedule itself; GhcError as LimitSchedule.checked."""
+        """The schedule; GhcError as LimitSchedule.checked."""
         times, lower, upper = _columns(self.limits)
         return LimitSchedule.checked(self.joint, times, lower, upper, (), self.known_from or None)
+
+
+@dataclass(frozen=True, slots=True)
+class MarginFrom:
+    """A margin from one time on."""
+
+    time: float = declared("simulated", unit="s")
+    margin: float = declared("distance to be kept", unit="m")
+
+
+@dataclass(frozen=True, slots=True)
+class MarginFields:
+    """One entry of `body_margin_schedules`."""
+
+    name: str = declared("of the margin, in the constraint `body_distance` of robot.yaml")
+    margins: tuple[MarginFrom, ...] = declared("increasing times", empty=False)
+    known_from: float = _KNOWN_FROM
+
+    def schedule(self) -> LimitSchedule:
+        """The schedule itself; GhcError as LimitSchedule.checked."""
+        times = [entry.time for entry in self.margins]
+        lower = [entry.margin for entry in self.margins]
+        upper = [FARTHEST_MARGIN] * len(times)
+        return LimitSchedule.checked(self.name, times, lower, upper, (), self.known_from or None)
 
 
 def _columns(
@@ -80,11 +115,12 @@ def _columns(
     return times, [entry.lower for entry in entries], [entry.upper for entry in entries]
 
 
-# Section of a scenario -> topic on which its schedules go, and so who reads them.
+# Section of a scenario -> topic of its schedules, which determines the reading generator.
 SECTIONS: Mapping[str, str] = {
     "contact_schedules": "constraints/contact_schedule",
     "joint_limit_schedules": "constraints/joint_limit_schedule",
     "torque_limit_schedules": "constraints/torque_limit_schedule",
+    "body_margin_schedules": "constraints/body_margin_schedule",
 }
 
 
@@ -97,47 +133,37 @@ class Event:
 
 
 def reads_schedules(generator: str) -> bool:
-    """Whether a generator takes schedules; raises as `GENERATORS[name]` does."""
+    """Whether the input of a generator is a schedule; raises as `GENERATORS[name]`."""
     return isinstance(GENERATORS[generator].input, Schedules)
 
 
 def read_generators(scenario: Fields, name: str) -> Mapping[str, Mapping[str, Any]]:
     """Node -> its parameters; every generator that is named is started.
 
-    Raises ConfigurationError for a node that is no generator, or one without a value.
+    Raises ConfigurationError for an unknown generator, or one without a value.
     """
     fields = scenario.section(name, optional=True)
     for name in fields.given():
         if name not in GENERATORS:
             raise fields.error(name, f"unknown generator; known: {', '.join(GENERATORS)}")
-    # A generator without parameters of its own is written as `name: {}`.
+    # A generator without parameters is written as `name: {}`.
     sections = {name: fields.section(name) for name in fields.given()}
     for name, section in sections.items():
         read(section, generator_parameters(name))
     return {name: section.values for name, section in sections.items()}
 
 
-def read_schedules(scenario: Fields, name: str) -> tuple[ContactSchedule, ...]:
-    """The list `contact_schedules` of a scenario.
+def read_schedules(scenario: Fields, name: str, entry: type[Entry[S]]) -> tuple[S, ...]:
+    """The list of schedules `name` of a scenario, each as an `entry`.
 
-    Raises ConfigurationError for what is no schedule.
+    Raises ConfigurationError for an invalid schedule.
     """
-    return tuple(
-        _checked(entry, read(entry, ScheduleFields))
-        for entry in scenario.sections(name, optional=True)
-    )
+    return tuple(_schedule(one, entry) for one in scenario.sections(name, optional=True))
 
 
-def read_limits(scenario: Fields, name: str) -> tuple[LimitSchedule, ...]:
-    """The list `joint_limit_schedules` or `torque_limit_schedules` of a scenario; raises alike."""
-    return tuple(
-        _checked(entry, read(entry, LimitFields))
-        for entry in scenario.sections(name, optional=True)
-    )
-
-
-def _checked(entry: Fields, fields: ScheduleFields | LimitFields) -> Any:
+def _schedule(fields: Fields, entry: type[Entry[S]]) -> S:
+    found = read(fields, entry)
     try:
-        return fields.schedule()
+        return found.schedule()
     except GhcError as error:
-        raise entry.complaint(str(error)) from error
+        raise fields.complaint(str(error)) from error

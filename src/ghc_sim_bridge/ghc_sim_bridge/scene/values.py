@@ -1,4 +1,4 @@
-"""What a scene adds to a robot: declared values of surroundings, contacts, obstacles, a camera."""
+"""What a scene adds to a robot: declared values of environment, contacts, obstacles, a camera."""
 
 from __future__ import annotations
 
@@ -37,12 +37,25 @@ class BaseStart:
     """Where a floating base starts: frames of the robot that lie flat on something."""
 
     stand_on: tuple[str, ...] = declared(
-        "frames of the URDF; z of the first one points up", names="frame", of="frames", empty=False
+        "frames of the URDF; z of the first one points up, unless `level` names another",
+        names="frame",
+        of="frames",
+        empty=False,
     )
     at: Vector = declared("mean of their origins, world", _ORIGIN, unit="m")
     heading: float = declared(
-        "about z, of the x axis of the first one; 0 = along +x", 0.0, unit="deg"
+        "about z, of the x axis of the level frame; 0 = along +x", 0.0, unit="deg"
     )
+    level: str = declared(
+        "frame of the URDF whose z axis points up; empty = the first of stand_on",
+        "",
+        names="frame",
+    )
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """All frames whose places are needed, the level one first."""
+        return tuple(dict.fromkeys((self.level or self.stand_on[0], *self.stand_on)))
 
 
 def _size(fields: Fields, name: str) -> Vector:
@@ -55,7 +68,7 @@ def _size(fields: Fields, name: str) -> Vector:
 
 @dataclass(frozen=True)
 class Surface:
-    """A body of the surroundings that does not move; its top is horizontal."""
+    """A body of the environment that does not move; its top is horizontal."""
 
     name: str = declared("name of the surface")
     kind: str = declared("plane or box", domain=OneOf(SURFACE_KINDS))
@@ -79,7 +92,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Contact:
-    """Where the robot may touch the surroundings: balls at the points of a contact of its file."""
+    """Where the robot may touch the environment: balls at the points of a contact of its file."""
 
     name: str = declared("of a contact of robot.yaml, which says frame and points")
     radius: float = declared("of a ball at each point", unit="m", domain=Range(minimum=1e-4))

@@ -17,14 +17,14 @@ Place = tuple[Array, Array]  # (3,) [m], (3, 3): of a frame in the axes of the b
 def base_pose(start: BaseStart, places: Mapping[str, Place]) -> Array:
     """Pose of the base (7,): position [m] and quaternion xyzw, from the places of the frames.
 
-    The first frame is flat (its z axis points up) with its x axis at the heading; the mean of
-    all frames' origins is at `start.at`.
+    The level frame, which is the first one unless `start.level` names another, has its z axis up
+    and its x axis at the heading; the mean of the origins of `stand_on` is at `start.at`.
     """
     frames: Sequence[Place] = [places[name] for name in start.stand_on]
     angle = math.radians(start.heading)
     c, s = math.cos(angle), math.sin(angle)
     wanted = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    turn = wanted @ frames[0][1].T
+    turn = wanted @ places[start.frames[0]][1].T
     middle = np.mean([position for position, _ in frames], axis=0)
     quaternion = quaternion_from_matrix(np.ascontiguousarray(turn))
     quaternion /= np.linalg.norm(quaternion)

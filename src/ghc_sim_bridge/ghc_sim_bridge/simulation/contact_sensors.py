@@ -15,7 +15,7 @@ from ghc_sim_bridge.simulation.mujoco_model import contact_geom_names
 class ContactSensors:
     """Sums MuJoCo's contact forces into one wrench per named contact.
 
-    A wrench is the action of the surroundings on the robot, reduced to the origin of the
+    A wrench is the action of the environment on the robot, reduced to the origin of the
     contact's frame, in world axes: force (3,) [N], then torque (3,) [Nm].
     """
 

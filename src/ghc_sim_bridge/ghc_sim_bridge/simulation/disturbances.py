@@ -1,4 +1,4 @@
-"""What a simulated robot suffers without its controller's knowledge, drawn from a seed.
+"""Disturbances of a simulated robot that the controller does not know, drawn from a seed.
 
 Masses and friction are scaled once, a push comes once, and the velocities that are published are
 noisy; the log keeps the truth. The same seed gives the same disturbances.

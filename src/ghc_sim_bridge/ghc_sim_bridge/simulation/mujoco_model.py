@@ -76,7 +76,7 @@ def _read_urdf(scene: SceneDescription, shapes: bool) -> mujoco.MjSpec:
 
 def _refused(scene: SceneDescription, error: ValueError) -> ConfigurationError:
     reason = " ".join(str(error).split())
-    return ConfigurationError(f"{scene.urdf}: MuJoCo refuses it: {reason}")
+    return ConfigurationError(f"{scene.urdf}: MuJoCo rejects it: {reason}")
 
 
 def _set_physics(spec: mujoco.MjSpec, scene: SceneDescription, physics_dt: float) -> None:

@@ -115,7 +115,7 @@ class Simulator:
         mujoco.mj_kinematics(self.model, self.data)
         places = {
             name: (self.frame_position(name), self.frame_rotation(name))
-            for name in scene.base.stand_on
+            for name in scene.base.frames
         }
         return np.concatenate([base_pose(scene.base, places), joints])
 
@@ -206,7 +206,7 @@ class Simulator:
         return self._disturbances.measured(velocity)
 
     def contact_wrenches(self) -> Mapping[str, Array]:
-        """Name -> (6,) force [N] and torque [Nm] of the surroundings on the robot at the
+        """Name -> (6,) force [N] and torque [Nm] of the environment on the robot at the
         contact's frame, world axes; mean over the last step."""
         return self._contacts.wrenches()
 

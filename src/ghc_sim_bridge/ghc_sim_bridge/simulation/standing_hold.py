@@ -3,8 +3,8 @@
 Inverse dynamics of a robot whose touching points stick: accelerations that bring the joints back
 to the held posture, a base that follows, and the contact forces that carry the motion. It knows no
 limits of contacts (they may pull or slip) and no balance: a robot that stands well over its soles
-goes on standing, one that does not falls as stiffly as a statue. Nothing explodes, because the
-gains act on accelerations and not on torques: light joints and heavy ones slow down alike.
+remains standing, one that does not falls with stiff joints. The hold is stable, because the gains
+act on accelerations and not on torques: light and heavy joints slow down alike.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ STIFFNESS, DAMPING = 100.0, 20.0  # [1/s^2], [1/s] of the held posture
 CONTACT_DAMPING = 20.0  # [1/s] of a touching point that still moves
 _CONTACT_WEIGHT = 30.0  # of points that stick, against 1 of the posture
 _FLIGHT_WEIGHT = 1e-6  # of the base: it does what contacts and posture leave to it
-_DAMPED = 1e-6  # regularisation of the contact forces, relative
+_DAMPED = 1e-6  # regularization of the contact forces, relative
 _BASE_NV = 6
 
 
@@ -62,7 +62,7 @@ def _carrying_forces(jacobian: Array, effort: Array) -> Array:
 
 
 class StandingHold:
-    """Remembers the posture in which the hold began."""
+    """Stores the posture in which the hold began."""
 
     def __init__(self) -> None:
         """Nothing held yet."""

@@ -7,7 +7,7 @@ import mujoco
 from ghc_sim_bridge.scene.values import Camera, Surface
 
 # Contact filter: robot spheres carry bit 1 and feel bit 2, surfaces the other way round, so that
-# the robot touches its surroundings and never itself.
+# the robot touches its environment and never itself.
 ROBOT_BIT, WORLD_BIT = 1, 2
 
 

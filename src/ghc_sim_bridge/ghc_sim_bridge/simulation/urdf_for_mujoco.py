@@ -13,6 +13,7 @@ from ghc_controller.robot.urdf_text import parse_urdf, place_meshes, root_link
 
 ROOT_JOINT = "floating_base"
 WORLD_LINK = "world_below_the_base"
+_MESHES = (".stl", ".obj", ".msh")  # formats that MuJoCo reads
 
 # Compiler settings have to be there when the URDF is read. Static bodies are fused only later,
 # after their frames became sites.
@@ -45,11 +46,20 @@ def for_mujoco(urdf: Path, floating_base: bool, shapes: bool) -> str:
 
 
 def _choose_shapes(link: Element, shapes: bool) -> None:
-    """Keep what is to be seen: the visual shapes, or where there are none the collision ones."""
-    visible = link.findall("visual") or link.findall("collision")
-    for shape in [*link.findall("visual"), *link.findall("collision")]:
+    """Keep what is to be seen: the visual shapes, or where there are none the collision ones.
+
+    Meshes in other formats, such as Collada, are none: MuJoCo would reject the robot.
+    """
+    visual, collision = link.findall("visual"), link.findall("collision")
+    visible = list(filter(_is_readable, visual)) or list(filter(_is_readable, collision))
+    for shape in [*visual, *collision]:
         if not shapes or shape not in visible:
             link.remove(shape)
+
+
+def _is_readable(shape: Element) -> bool:
+    names = (mesh.get("filename", "") for mesh in shape.iter("mesh"))
+    return all(Path(name).suffix.lower() in _MESHES for name in names)
 
 
 def _let_float(robot: Element, base: str) -> None:

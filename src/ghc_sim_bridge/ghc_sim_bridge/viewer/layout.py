@@ -1,4 +1,4 @@
-"""How a run is laid out in the Rerun viewer, so that nothing has to be clicked."""
+"""Layout of a run in the Rerun viewer, complete without any clicks."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def new_recording() -> rr.RecordingStream:
 
 
 def colours(count: int) -> NDArray[np.uint8]:
-    """One colour per line, (count, 3); more lines than colours begin anew."""
+    """One color per line, (count, 3); colors repeat after the last one."""
     return np.array([rgb(index) for index in range(count)], dtype=np.uint8).reshape(-1, 3)
 
 
@@ -85,7 +85,7 @@ def _eye(camera: Camera) -> NDArray[np.float64]:
 
 
 def log_surroundings(recording: rr.RecordingStream, scene: SceneDescription) -> None:
-    """Send what stands around the robot, and that z points up."""
+    """Log the environment of the robot, and that z points up."""
     recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for surface in scene.surfaces:
         flat = (surface.size[0] or ENDLESS, surface.size[1] or ENDLESS)
@@ -104,7 +104,7 @@ def log_surroundings(recording: rr.RecordingStream, scene: SceneDescription) -> 
 
 
 def log_lines(recording: rr.RecordingStream, plot: str, names: Sequence[str]) -> None:
-    """Name and colour the lines of a plot."""
+    """Name and color the lines of a plot."""
     recording.log(plot, rr.SeriesLines(names=list(names), colors=colours(len(names))), static=True)
 
 

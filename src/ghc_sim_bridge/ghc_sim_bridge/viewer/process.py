@@ -15,10 +15,11 @@ from ghc_controller.ros.stop_signals import restore_stop_signals
 
 LOOPBACK = "127.0.0.1"
 START_DEADLINE = 30.0  # [s] wall, until the viewer listens
+PAGE_PATIENCE = 60.0  # [s] wall without a browser, after which the page of a finished run ends
 
 
 class ViewerUnavailable(GhcError):
-    """The viewer did not start; says what it printed last."""
+    """The viewer did not start; the message has its last output."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,23 @@ class ViewerProcess:
     process: subprocess.Popen[bytes]
     url: str  # for the SDK to connect to
     page: str  # to be opened in a browser; empty for a window
+
+    def leave(self) -> None:
+        """Keep it until the user closes it: the window, or every browser with its page.
+
+        A served page ends after `PAGE_PATIENCE` without a browser (page_keeper.py).
+        """
+        if self.page and self.process.poll() is None:
+            port = self.url.rpartition(":")[2].partition("/")[0]
+            command = [sys.executable, "-m", "ghc_sim_bridge.viewer.page_keeper"]
+            subprocess.Popen(
+                [*command, str(self.process.pid), port, str(PAGE_PATIENCE)],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+                preexec_fn=restore_stop_signals,
+            )
 
     def end(self) -> None:
         """End a viewer that serves a page; a window stays until the user closes it."""
@@ -52,6 +70,7 @@ def start_viewer(window: bool) -> ViewerProcess:
     """
     port, page_port = _free_ports(2)
     command = [sys.executable, "-m", "rerun", "--bind", LOOPBACK, "--port", str(port)]
+    command += ["--newest-first"]  # for a browser that is opened late
     command += ["--expect-data-soon"] if window else []
     command += [] if window else ["--serve-web", "--web-viewer-port", str(page_port)]
     process = subprocess.Popen(
@@ -90,7 +109,7 @@ def _wait_until_listening(viewer: ViewerProcess, port: int) -> None:
 
 
 def _free_ports(count: int) -> list[int]:
-    """Ports of this machine that nobody listens on."""
+    """Unused ports of this machine."""
     probes = [socket.socket() for _ in range(count)]
     try:
         for probe in probes:

@@ -62,7 +62,7 @@ def write_rerun(
         path: file to be written, .rrd; a viewer sees all of it or nothing.
         log: states and torques of every control period.
         controller: alpha, errors and references over the run.
-        scene: robot and surroundings.
+        scene: robot and environment.
         robot_file: robot.yaml that the controller used; that of the scene when not given.
 
     Raises:
@@ -116,7 +116,7 @@ def _send_robot(recording: rr.RecordingStream, log: FullRateLog, urdf: Path) -> 
 def _send_targets(
     recording: rr.RecordingStream, controller: ControllerSeries, names: Sequence[str]
 ) -> None:
-    """Per task a ball at the target, the path so far asked for, and a line to the error's end."""
+    """For each task a ball at the target, the reference path so far, and a line for the error."""
     of_tasks = dict(zip(controller.tasks, colours(len(controller.tasks)), strict=True))
     for name in names:
         colour = of_tasks[name]

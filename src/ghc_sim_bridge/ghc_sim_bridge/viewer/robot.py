@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 import rerun as rr
 
+from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 
 ROBOT_PATH = "world/robot"
@@ -31,12 +32,23 @@ class RerunRobot:
             pin.GeometryType.VISUAL,
             package_dirs=list(map(str, urdf.parents)),
         ).geometryObjects
+        self.take_order(joint_names)
+
+    def take_order(self, joint_names: Sequence[str]) -> None:
+        """Set the order of the angles from now on; InvalidValue for names that are no joints."""
+        known = list(self._model.names)[1:]
+        wrong = [name for name in joint_names if name not in known]
+        if wrong or len(set(joint_names)) != len(joint_names) or not joint_names:
+            raise InvalidValue(
+                f"joints {', '.join(joint_names) or 'none'} given, each of {', '.join(known)} "
+                "at most once expected"
+            )
         self._places = [
             self._model.joints[self._model.getJointId(name)].idx_q for name in joint_names
         ]
 
     def log_shapes(self, recording: rr.RecordingStream) -> None:
-        """Send what never changes."""
+        """Log the constant part of the robot."""
         for shape in self._shapes:
             path = f"{self._path(shape.parentJoint)}/{shape.name}"
             recording.log(path, _archetype(shape), static=True)

@@ -6,7 +6,6 @@ from abc import abstractmethod
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ghc_controller.constraints.constraint import (
     Constraint,
@@ -16,8 +15,12 @@ from ghc_controller.constraints.constraint import (
     Tick,
     positive_per_joint,
 )
-from ghc_controller.constraints.jerk_kernels import position_bound, velocity_bound
-from ghc_controller.constraints.joint_position import soft_approach, viable_acceleration
+from ghc_controller.core import (
+    moving_approach,
+    position_bound,
+    velocity_bound,
+    viable_acceleration,
+)
 from ghc_controller.errors import InvalidValue
 from ghc_controller.types import Array
 
@@ -82,10 +85,10 @@ class DistanceConstraint(Constraint):
 
     def rows(self, tick: Tick) -> Rows:
         """One row."""
-        d = self.measure(tick)
+        d = Scalar(*self.measure(tick))  # a plain tuple will do
         limits = (self.brake, self.approach_rate, tick.dt, jerk_along(tick, d.jacobian))
-        most = _most(self.upper - d.value, d.rate, *limits)
-        least = -_most(d.value - self.lower, -d.rate, *limits)
+        most = most_acceleration(self.upper - d.value, d.rate, *limits)
+        least = -most_acceleration(d.value - self.lower, -d.rate, *limits)
         if least > most:  # bounds too close for both: the one ahead counts
             least, most = (most, most) if d.rate > 0.0 else (least, least)
         return d.rows(least, most, self.name)
@@ -107,13 +110,12 @@ def jerk_along(tick: Tick, jacobian: Array) -> float:
     return float(np.abs(tick.carried @ jacobian) @ tick.jerk)
 
 
-@njit(cache=True)
-def _most(
+def most_acceleration(
     distance: float, speed: float, brake: float, rate: float, dt: float, jerk: float
-) -> float:  # pragma: no cover
+) -> float:
     """Largest acceleration towards a bound at `distance`; jerk 0 = not limited."""
     most = min(
         viable_acceleration(distance, speed, brake, dt),
-        soft_approach(distance, speed, brake, rate, dt),
+        moving_approach(distance, speed, 0.0, 0.0, brake, rate, dt),
     )
     return position_bound(distance, speed, jerk, brake, dt, most) if jerk > _NO_JERK else most

@@ -19,7 +19,7 @@ class OperationalSpace(StrictLaw):
     """A baseline of Jeong and Chang 2009; `task_priority` in the metric M without its bases Z_i.
 
     Torques J_i*^T F_i of each level, in the dynamically consistent null space of those above;
-    `damped_levels` says which inertias of tasks are damped.
+    `damped_levels` selects the task inertias that are damped.
     """
 
     name = "operational_space"

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from ghc_controller.formulations.cascade.level_answers import rows_of
 from ghc_controller.formulations.formulation import DampedLevels, Formulation
 from ghc_controller.formulations.nearest_answer import nearest_answer
-from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.hierarchy.levels import levels
 from ghc_controller.hierarchy.orders_only import orders_only
 from ghc_controller.hierarchy.priorities import Priorities
@@ -17,7 +16,7 @@ from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts
 from ghc_controller.problem.solution import Solution
-from ghc_controller.types import Array
+from ghc_controller.types import Array, Starts
 
 
 class Level(NamedTuple):
@@ -30,7 +29,7 @@ class Level(NamedTuple):
 class StrictLaw(Formulation):
     """Accelerations in closed form from levels 1 > 2 > .. > k, then the nearest bounded answer.
 
-    A law knows one order at a time. While a ramp runs, that is the accepted target of the largest
+    A law handles one order at a time. During a ramp that is the accepted target of the largest
     share, so that priorities switch at its middle; a target that is no order is rejected.
     Accelerations are measured from -kd v, like those of the other formulations; velocity_damping
     = 0 is the form of the papers. A QP is solved only where they exceed a bound.

@@ -1,17 +1,18 @@
-"""Contact forces that a level asks for: those of least cost that carry its accelerations."""
+"""Contact forces of a level: minimum-cost forces for its accelerations."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.qp_rows import Parametrization
-from ghc_controller.problem.reduction import ReducedProblem, null_motion
-from ghc_controller.problem.reduction_kernels import null_motion_qr
+from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts, reduced_arrays
 from ghc_controller.types import Array
 
-_RANK_TOLERANCE = 1e-9  # [-] of the largest singular value of the balance force
+_NONE, _NO_FORCES = np.zeros(0), np.zeros((0, 0))
 
 
 class ForceCenter(NamedTuple):
@@ -50,49 +51,24 @@ class ForceCenter(NamedTuple):
         return Parametrization(y, accelerations, self.at(reduced, y), forces, True)
 
 
-def balanced_contacts(reduced: ReducedProblem) -> tuple[ReducedProblem, ForceCenter]:
+def balanced_contacts(problem: ControlProblem) -> tuple[ReducedProblem, ForceCenter]:
     """The problem in accelerations that contact forces can balance, and the forces for them.
 
     In flight, or with contacts too few to carry every direction, N^T M_u y = N^T rhs with N the
     left null space of the balance force is level 0: what remains of y are motions that conserve
     momentum along N.
     """
-    contacts, u = reduced.source.contacts, reduced.source.unactuated
-    c = reduced.torque_force.shape[1]
-    center = np.zeros(c) if contacts is None else contacts.force_center
-    factor = np.zeros((0, 0)) if contacts is None else contacts.force_factor
-    if u == 0:
-        return reduced, ForceCenter(center, np.zeros((c, 0)), factor, np.zeros(0))
-    whitened = reduced.balance_force @ factor
-    independent, free = False, np.zeros((0, 0))
-    if c >= u:
-        independent, _, free = null_motion_qr(whitened, np.zeros(u))
-    if independent:
-        inverse = np.linalg.solve(whitened @ whitened.T, whitened).T
-    else:
-        left, sigma, right = np.linalg.svd(whitened, full_matrices=True)
-        largest = float(sigma[0]) if sigma.size else 0.0
-        rank = int(np.sum(sigma > _RANK_TOLERANCE * largest))
-        inverse, free = right[:rank].T / sigma[:rank], right[rank:].T
-        reduced = _without(reduced, left[:, rank:].T, left[:, :rank].T)
-    residual = reduced.balance_target - reduced.balance_force @ center
-    return reduced, ForceCenter(center, factor @ inverse, factor @ free, residual)
+    if problem.unactuated > 0:
+        return of_arrays(problem, reduced_arrays(problem, balance=True))
+    reduced, contacts = reduce_contacts(problem), problem.contacts
+    if contacts is None:
+        return reduced, ForceCenter(_NONE, _NO_FORCES, _NO_FORCES, _NONE)
+    center, factor = contacts.force_center, contacts.force_factor
+    return reduced, ForceCenter(center, np.zeros((center.shape[0], 0)), factor, _NONE)
 
 
-def _without(reduced: ReducedProblem, uncarried: Array, carried: Array) -> ReducedProblem:
-    """Reduce y by uncarried M_u y = uncarried rhs; keep the balance along `carried` rows."""
-    offset, basis = null_motion(
-        uncarried @ reduced.balance_matrix, uncarried @ reduced.balance_target
-    )
-    whole = np.eye(basis.shape[0]) if reduced.basis is None else reduced.basis
-    return reduced._replace(
-        jacobian=np.ascontiguousarray(reduced.jacobian @ basis),
-        target=reduced.target - reduced.jacobian @ offset,
-        basis=np.ascontiguousarray(whole @ basis),
-        offset=reduced.accelerations(offset),
-        torque_matrix=np.ascontiguousarray(reduced.torque_matrix @ basis),
-        torque_offset=reduced.torque_offset + reduced.torque_matrix @ offset,
-        balance_matrix=carried @ reduced.balance_matrix @ basis,
-        balance_force=carried @ reduced.balance_force,
-        balance_target=carried @ (reduced.balance_target - reduced.balance_matrix @ offset),
-    )
+def of_arrays(
+    problem: ControlProblem, arrays: Sequence[Any]
+) -> tuple[ReducedProblem, ForceCenter]:
+    """Reduced problem and forces of the arrays that `reduced_arrays` names."""
+    return ReducedProblem._make((*arrays[:10], problem)), ForceCenter(*arrays[10:])

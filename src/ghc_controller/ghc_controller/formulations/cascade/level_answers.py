@@ -1,4 +1,4 @@
-"""What the levels of a cascade hand down: their rows, and bounds that contain the answer above."""
+"""Data passed from level to level of a cascade: rows, and bounds around the solution above."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from ghc_controller.formulations.cascade.force_center import ForceCenter
-from ghc_controller.hierarchy.directions import Starts
 from ghc_controller.problem.bounded_qp import bounded_answer
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.problem.violation import largest_violation
 from ghc_controller.qp import VIOLATION_TOLERANCE
-from ghc_controller.types import Array, Bounds
+from ghc_controller.types import Array, Bounds, Starts
 
 BALANCED = 1e-6  # [N], [Nm] left of the equations of motion of the base
 UPPER_FORCE_WEIGHT = 1e-4  # [-] root of the weight on forces above the last level
@@ -50,7 +49,7 @@ def keep_feasible(reduced: ReducedProblem, found: Solution) -> ReducedProblem:
     source = reduced.source
     rows, contacts = source.rows, source.contacts
     if rows is not None:
-        value = rows.matrix @ found.acceleration
+        value = rows.values(found.acceleration, found.force)
         lower, upper = _containing(rows.lower, rows.upper, value)
         rows = rows._replace(lower=lower, upper=upper)
     if contacts is not None:

@@ -1,21 +1,21 @@
-"""The torque rate limit: how fast torques get to the answer of the levels, not what that is.
+"""The torque rate limit: it bounds how fast torques approach the solution of the levels.
 
-A strict level inside the rate limit gives up all that stands below it, damping included, for the
-little that one period allows: an arm whose targets conflict then swings for ever, at the limit
-(`make study ARGS=conflicts`). So levels do not know it, and their blend is approached as far as it
-allows, in a metric that is graded by the priorities.
+With the rate limit among its bounds, a strict level would sacrifice all lower levels, damping
+included, for the small change that one period allows: an arm whose targets conflict then keeps
+oscillating at the limit (`make study ARGS=conflicts`). The levels are therefore solved without it,
+and their blend is approached as far as it allows, in a metric graded by the priorities.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+from ghc_controller.core import native
 from ghc_controller.formulations.cascade.force_center import ForceCenter
 from ghc_controller.formulations.cascade.level_answers import reduced_acceleration
 from ghc_controller.formulations.formulation import FormulationSettings
 from ghc_controller.formulations.nearest_answer import metric_factor
 from ghc_controller.problem.bounded_qp import solve_qp
-from ghc_controller.problem.box_kernels import is_outside
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import ReducedProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus
@@ -41,9 +41,9 @@ def within_rate(
     the answer.
     """
     box = reduced.source.torque
-    if answer.status is SolutionStatus.FAILED or not is_outside(
-        answer.torque, box.lower, box.upper, VIOLATION_TOLERANCE
-    ):
+    if answer.status is SolutionStatus.FAILED:
+        return answer
+    if native.largest_excess(answer.torque, box.lower, box.upper) <= VIOLATION_TOLERANCE:
         return answer
     y = reduced_acceleration(reduced, answer.acceleration)
     factor = metric_factor(reduced, reduced.source.alpha, settings)

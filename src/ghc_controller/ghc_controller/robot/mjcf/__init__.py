@@ -1,1 +1,1 @@
-"""A robot in MuJoCo's MJCF as a URDF, from the model that MuJoCo itself compiles."""
+"""Conversion of MuJoCo's MJCF to URDF, from the model compiled by MuJoCo."""

@@ -1,8 +1,8 @@
 """MJCF to URDF: bodies, inertias, joints, limits and sites of the compiled model.
 
-MuJoCo's compiler has resolved defaults, classes and inertias from shapes, so that nothing of the
-MJCF language is read here. What a URDF cannot say is left out, and said: armature, damping,
-friction, springs and tendons; joints that an equality couples become mimic joints.
+MuJoCo's compiler has resolved defaults, classes and inertias from shapes, so that no MJCF is
+parsed here. What a URDF cannot represent is left out with a warning: armature, damping, friction,
+springs and tendons; joints coupled by an equality become mimic joints.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def urdf_of_mjcf(file: Path, meshes: Path) -> bytes:
     """Text of a URDF with the dynamics of an MJCF file; shapes of meshes are written to `meshes`.
 
     Raises:
-        ConfigurationError: MuJoCo is not installed or refuses the file, a ball joint, or more
+        ConfigurationError: MuJoCo is not installed or rejects the file, a ball joint, or more
             than one body that floats.
     """
     try:
@@ -54,7 +54,7 @@ def urdf_of_mjcf(file: Path, meshes: Path) -> bytes:
         model = mujoco.MjModel.from_xml_path(str(file))
     except ValueError as error:
         raise ConfigurationError(
-            f"{file}: MuJoCo refuses it: {' '.join(str(error).split())}"
+            f"{file}: MuJoCo rejects it: {' '.join(str(error).split())}"
         ) from error
     converter = _Converter(model, file)
     robot = converter.convert()
@@ -84,7 +84,7 @@ class _Converter:
         root = int(model.jnt_bodyid[floating[0]]) if floating else 0
         for body in range(model.nbody):
             if floating and model.body_rootid[body] != root:
-                continue  # the world, and what stands in it
+                continue  # the world and its fixed bodies
             self._add_link(body)
             if body not in (0, root):
                 self._add_joints(body)
@@ -109,7 +109,7 @@ class _Converter:
         SubElement(inertial, "inertia", {k: f"{full[at]:.17g}" for k, at in entries.items()})
 
     def _add_joints(self, body: int) -> None:
-        """Parent, then each joint with a link of its own but the last, then the body's frame."""
+        """Parent, then each joint with its own link except the last, then the body's frame."""
         model, name = self._model, self.link_names[body]
         parent, place = (
             self.link_names[model.body_parentid[body]],
@@ -129,14 +129,14 @@ class _Converter:
         self._add_fixed(name, parent, name, place)
 
     def _add_intermediate(self, name: str) -> None:
-        """Link between two joints of one body: next to no mass, as MuJoCo rejects none at all."""
+        """Link between two joints of one body: almost no mass, since MuJoCo rejects zero mass."""
         inertial = SubElement(SubElement(self._robot, "link", {"name": name}), "inertial")
         SubElement(inertial, "mass", {"value": _NEXT_TO_NONE})
         entries = dict.fromkeys(("ixx", "iyy", "izz"), _NEXT_TO_NONE)
         SubElement(inertial, "inertia", entries | dict.fromkeys(("ixy", "ixz", "iyz"), "0"))
 
     def _motion(self, joint: int) -> Array:
-        """(4, 4) from the joint's place in the file, at its `ref`, to that at zero."""
+        """(4, 4) from the joint's placement in the file, at its `ref`, to that at zero."""
         axis, ref = self._model.jnt_axis[joint], self._model.qpos0[self._model.jnt_qposadr[joint]]
         motion = np.eye(4)
         if self._model.jnt_type[joint] == _HINGE:
@@ -177,7 +177,7 @@ class _Converter:
         return joint
 
     def _add_sites(self) -> None:
-        """Named sites become frames, as tools and feet are named by them."""
+        """Named sites become frames, since they usually name tools and feet."""
         links = {link.get("name", "") for link in self._robot.iterfind("link")}
         for site in range(self._model.nsite):
             name, link = (
@@ -204,7 +204,9 @@ class _Converter:
         }
         names = ", ".join(name for name, there in left.items() if there)
         if names:
-            _LOG.warning("%s: left out, as a URDF cannot say it: %s", self._file.name, names)
+            _LOG.warning(
+                "%s: left out, since a URDF cannot represent it: %s", self._file.name, names
+            )
 
 
 def _torque_limits(model: Any) -> Array:
@@ -228,10 +230,15 @@ def _torque_limits(model: Any) -> Array:
 
 
 def _mimics(model: Any) -> dict[int, tuple[int, float, float]]:
-    """Joint -> the joint that it follows, factor and offset, of equalities between joints."""
-    found = {}
+    """Joint -> the joint that it follows, factor and offset, of equalities between joints.
+
+    MuJoCo counts both from where they are in the file: q - q_0 = a_0 + a_1 (p - p_0).
+    """
+    found, start = {}, model.qpos0[model.jnt_qposadr]
     for k in range(model.neq):
         follower, leader = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
-        if model.eq_type[k] == _JOINT_EQUALITY and leader >= 0:
-            found[follower] = (leader, float(model.eq_data[k, 1]), float(model.eq_data[k, 0]))
+        if model.eq_type[k] == _JOINT_EQUALITY and leader >= 0 and model.eq_active0[k]:
+            factor = float(model.eq_data[k, 1])
+            offset = float(model.eq_data[k, 0] + start[follower] - factor * start[leader])
+            found[follower] = (leader, factor, offset)
     return found

@@ -1,4 +1,4 @@
-"""Shapes of an MJCF for the eye, as `visual` elements of a URDF; meshes as STL files."""
+"""Visual shapes of an MJCF, as `visual` elements of a URDF; meshes as STL files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ _SEEN = 2  # last group that MuJoCo draws by default
 
 
 def add_shapes(robot: Element, model: Any, names: list[str], meshes: Path) -> None:
-    """Add what is to be seen of each body to its link; planes, fields and ellipsoids are left out.
+    """Add the visible shapes of each body to its link, except planes, height fields and
+    ellipsoids.
 
     Raises:
         ConfigurationError: a mesh cannot be written.

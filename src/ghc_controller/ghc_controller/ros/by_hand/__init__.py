@@ -1,1 +1,1 @@
-"""Requests by hand: sent once a controller shows that it is there, and followed to their end."""
+"""Requests from the command line: sent once a controller is found, and followed until done."""

@@ -1,4 +1,4 @@
-"""What requests by hand share: the life of the process, the lines that it prints."""
+"""Shared by the request commands: life cycle of the process and its output."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ _INTERRUPTED = 130
 
 
 class Request(Protocol):
-    """A request by hand that is under way."""
+    """A pending request from the command line."""
 
     node: Node
-    exit_code: int | None  # None while it is under way
+    exit_code: int | None  # None while it is pending
 
     def send_when_heard(self) -> None:
-        """Send it, once, when a controller will get it and can answer; called again and again."""
+        """Send it once a controller can receive it and reply; called repeatedly."""
 
     def missing(self) -> str:
-        """What did not happen yet, for the message when time is up."""
+        """What has not happened yet, for the timeout message."""
 
 
 def follow(
@@ -47,13 +47,13 @@ def follow(
     """Send a request and follow it to its end; the exit code of the process.
 
     Args:
-        arguments: of the process, its name first; ROS reads its own ones.
-        create: makes the request; called with ROS up.
+        arguments: of the process, its name first; ROS arguments are removed.
+        create: makes the request; called after rclpy.init.
         timeout: [s] of wall time.
     """
     try:
         stay_on_this_host()
-        # No handler of rclpy: it would take the context down under the loop.
+        # No signal handler of rclpy: it would shut down the context during the loop.
         rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
     except (InvalidValue, RuntimeError) as error:  # rclpy's root for malformed --ros-args
         return complain(name, str(error), EXIT_REFUSED)
@@ -62,7 +62,7 @@ def follow(
         return _follow(name, create(), timeout)
     except (KeyboardInterrupt, ExternalShutdownException):
         return complain(name, "interrupted", _INTERRUPTED)
-    except RuntimeError:  # what an interrupt becomes while rclpy converts a message
+    except RuntimeError:  # raised for an interrupt while rclpy converts a message
         if not stop_was_asked():
             raise
         return complain(name, "interrupted", _INTERRUPTED)
@@ -75,7 +75,7 @@ def _follow(name: str, request: Request, timeout: float) -> int:
     executor.add_node(request.node)
     try:
         return _spin(name, executor, request, timeout)
-    finally:  # before the context goes, which the executor's own end needs
+    finally:  # before the context, which the executor needs to shut down
         executor.shutdown()
 
 
@@ -114,6 +114,19 @@ def stamp(text: str) -> float:
     if not 0.0 <= seconds < 2**31:
         raise argparse.ArgumentTypeError(f"{text} given, 0 to {2**31 - 1} expected")
     return seconds
+
+
+def where_controllers_are(node: Node, topic: str) -> str:
+    """In a namespace without a controller: which ones have its `topic`; else ""."""
+    ours = node.get_namespace()
+    ends = f"/{topic}"
+    names = [name for name, _ in node.get_topic_names_and_types() if name.endswith(ends)]
+    known = [
+        name.removesuffix(ends) or "/" for name in names if node.get_publishers_info_by_topic(name)
+    ]
+    if ours in known or not known:
+        return ""
+    return f" in '{ours}'; known: {', '.join(known)}, chosen by --ros-args -r __ns:=NAMESPACE;"
 
 
 def line(stamp: Time, word: str, detail: str) -> str:

@@ -1,4 +1,4 @@
-"""A target by hand as points: at once, or as a minimum-jerk move from where the reference is."""
+"""A target as reference points: a step, or a minimum-jerk move from the current reference."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _PEAK = 15.0 / 8.0
 
 
 class Followed(Protocol):
-    """What a TaskState says of the task."""
+    """Content of a TaskState."""
 
     name: str
-    reference: Sequence[float]  # in force, as TaskTarget.position
+    reference: Sequence[float]  # current, as TaskTarget.position
     error: Sequence[float]  # one entry per row
 
 
 @dataclass(frozen=True)
 class Move:
-    """Where a task shall go. Without duration and velocity: at once."""
+    """Target of a task. Without duration and velocity it is a step."""
 
     position: Row = ()  # [m] or [rad]
     quaternion: Row = ()  # x, y, z, w, of any length but 0
@@ -38,15 +38,15 @@ class Move:
     def points_from(self, task: Followed) -> Points:
         """One point, or the two ends of the move: quintic between them, at rest at both.
 
-        The first end is left to the controller: where the reference is when it takes this one.
+        The controller sets the first end: its reference at the time of acceptance.
 
         Raises:
-            ConfigurationError: the task takes another number of numbers.
+            ConfigurationError: wrong size of the target.
         """
         size = len(task.reference)
         target = self._target()
         if len(target) not in ({0, size} if self.wrench else {size}):
-            turns = " (an orientation is --quaternion X Y Z W)" if _rows(task) < size else ""
+            turns = " (an orientation is --quaternion X Y Z W)" if rows_of(task) < size else ""
             raise ConfigurationError(
                 f"task '{task.name}': {len(target)} numbers given, {size} expected{turns}"
             )
@@ -56,7 +56,7 @@ class Move:
             over /= self.velocity
         if over <= 0.0:
             return Points((Point(0.0, target, wrench=self.wrench),))
-        rest = (0.0,) * _rows(task)
+        rest = (0.0,) * rows_of(task)
         return Points(
             (
                 Point(0.0, (), rest, rest, self.wrench),
@@ -71,15 +71,15 @@ class Move:
         return (*self.position, *(value / length for value in self.quaternion))
 
 
-def _rows(task: Followed) -> int:
-    """Entries of a velocity of the task: of a quaternion one less than of the position."""
+def rows_of(task: Followed) -> int:
+    """Entries of a velocity of the task; one less than of a position with a quaternion."""
     size = len(task.reference)
     return size - 1 if size in (4, 7) and len(task.error) == size - 1 else size
 
 
 def _distance(start: Array, end: Array, task: Followed) -> float:
-    """[m] or [rad] from one reference to another; of a pose the larger number."""
-    if _rows(task) == len(start):
+    """[m] or [rad] distance between two references; for a pose the larger of both."""
+    if rows_of(task) == len(start):
         return float(np.linalg.norm(end - start))
     cosine = min(1.0, abs(float(start[-4:] @ end[-4:])))
     return max(2.0 * math.acos(cosine), float(np.linalg.norm(end[:-4] - start[:-4])))

@@ -1,9 +1,9 @@
-"""Give a task a target or a path by hand and follow what becomes of it.
+"""Send a task a target or a path from the command line and follow its status.
 
     ros2 run ghc_controller reference end_effector 0.5 0.1 0.7 --duration 2.0
 
-Publishes   ghc/task_reference: one message, once a controller has shown that it is there.
-Subscribes  ghc/controller_state (where the task is) and ghc/task_reference_status (the answer).
+Publishes   ghc/task_reference: one message, once a controller is found.
+Subscribes  ghc/controller_state (current task value) and ghc/task_reference_status (reply).
 Exit code   0 REACHED; 1 REJECTED, REPLACED or not reached in time; 2 wrong arguments; 130 Ctrl-C.
 """
 
@@ -71,14 +71,14 @@ def _parser() -> argparse.ArgumentParser:
         nargs=4,
         type=float,
         metavar=("X", "Y", "Z", "W"),
-        help="orientation, of any length; of a pose behind its position",
+        help="orientation, of any length; for a pose after its position",
     )
     parser.add_argument(
         "--wrench",
         nargs="+",
         type=float,
         metavar="N",
-        help="[N], [Nm] that the robot shall exert, one number per row, under force control",
+        help="[N], [Nm] to exert on the environment, one number per row, under force control",
     )
     parser.add_argument(
         "--file", type=Path, help="follow the points of a .csv or .yaml file (docs/running.md)"
@@ -89,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
         type=_positive,
         default=0.0,
         metavar="SECONDS",
-        help="of a minimum-jerk move from the reference in force (default: at once)",
+        help="of a minimum-jerk move from the current reference (default: at once)",
     )
     timed.add_argument(
         "--velocity",

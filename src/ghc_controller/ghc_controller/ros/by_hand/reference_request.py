@@ -1,4 +1,4 @@
-"""A reference that was sent by hand, followed until it is reached or rejected."""
+"""A reference sent from the command line, followed until it is reached or rejected."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rclpy.node import Node
 from ghc_controller.errors import ConfigurationError, UnknownName
 from ghc_controller.references.point_files import Points
 from ghc_controller.ros.by_hand.follow import line
-from ghc_controller.ros.by_hand.move import Move
+from ghc_controller.ros.by_hand.move import Move, rows_of
 from ghc_controller.ros.qos import RELIABLE_QOS, STREAM_QOS
 from ghc_controller.ros.requests import REFERENCE
 from ghc_controller.ros.run import EXIT_FAILED
@@ -28,11 +28,11 @@ from ghc_controller.types import Array
 
 NODE_NAME = "reference"
 _ENDS = {TaskReferenceStatus.REJECTED: "REJECTED", TaskReferenceStatus.REPLACED: "REPLACED"}
-_SAME = 1e-3  # [m], [rad] or [-] two references within this are one
+_SAME = 1e-3  # [m], [rad] or [-] references closer than this are equal
 
 
 class ReferenceRequest:
-    """One reference, and what the controller's reports say of its task."""
+    """One reference and the reported status of its task."""
 
     def __init__(
         self,
@@ -44,13 +44,14 @@ class ReferenceRequest:
     ) -> None:
         """`start` [s] of the robot's time, 0 = at once; `tolerance` [m] or [rad]."""
         self.node = Node(NODE_NAME)
-        self.exit_code: int | None = None  # None while it is under way
+        self.exit_code: int | None = None  # None while it is pending
         self._task, self._path, self._start = task, path, start
         self._tolerance = tolerance
         self._show = show
         self._sent_at: float | None = None  # [s] of the robot
         self._id = f"{NODE_NAME}_{os.getpid()}"
         self._target = np.zeros(0)
+        self._any_order = False  # the target's numbers belong to named joints, in any order
         self._end = 0.0  # [s] of the robot, at the last point
         self._last: TaskState | None = None
         self._state: ControllerState | None = None
@@ -58,13 +59,13 @@ class ReferenceRequest:
         self.node.create_subscription(
             TaskReferenceStatus, "ghc/task_reference_status", self._on_status, RELIABLE_QOS
         )
-        # Made last: once a report is here, the controller knows the one above.
+        # Created last: once a report arrives, the controller has found the publisher above.
         self.node.create_subscription(
             ControllerState, "ghc/controller_state", self._on_state, STREAM_QOS
         )
 
     def send_when_heard(self) -> None:
-        """Send it, once, when a controller will get it and reports."""
+        """Send it once, when a controller can receive it and reports."""
         state = self._state
         if self._sent_at is not None or state is None or self.exit_code is not None:
             return
@@ -76,7 +77,7 @@ class ReferenceRequest:
             self._finish(stamp, "REJECTED", str(UnknownName("task", self._task, known)))
             return
         present = known[self._task]
-        self._show(line(stamp, "in force", describe(present)))
+        self._show(line(stamp, "current", describe(present)))
         try:
             points = (
                 self._path.points_from(present) if isinstance(self._path, Move) else self._path
@@ -88,6 +89,7 @@ class ReferenceRequest:
         self._end = max(self._start, self._sent_at) + points.end
         last = np.array(points.points[-1].position)
         self._target = last if last.size else np.array(present.reference)
+        self._any_order = bool(points.joints)
         message = reference_message(self._task, points, self._start)
         message.id = self._id
         self._publisher.publish(message)
@@ -96,7 +98,7 @@ class ReferenceRequest:
         self._show(line(stamp, "SENT", f"{self._task} to {_numbers(last)}{begin}{over}"))
 
     def missing(self) -> str:
-        """What did not happen yet."""
+        """What has not happened yet."""
         if self._sent_at is None:
             return "no ghc/controller_state: no controller, or one without joint_states,"
         error = "" if self._last is None else f", error {self._last.error_norm:.2g},"
@@ -111,7 +113,8 @@ class ReferenceRequest:
         if task is None:
             return
         self._last = task
-        followed = same_target(np.array(task.reference), self._target)
+        turns = rows_of(task) < len(task.reference)
+        followed = same_target(np.array(task.reference), self._target, turns, self._any_order)
         if now >= self._end and followed and task.error_norm <= self._tolerance:
             self._finish(message.header.stamp, "REACHED", describe(task), 0)
 
@@ -125,16 +128,24 @@ class ReferenceRequest:
 
 
 def describe(task: TaskState) -> str:
-    """Where a task's reference is, and how far the robot is from it."""
+    """Current reference of a task and the error of the robot."""
     return f"{task.name} at {_numbers(np.array(task.reference))}, error {task.error_norm:.2g}"
 
 
-def same_target(a: Array, b: Array) -> bool:
-    """Whether two references are one: quaternions up to their sign, joints in any order."""
+def same_target(a: Array, b: Array, turns: bool = False, any_order: bool = False) -> bool:
+    """Whether two references are equal.
+
+    Args:
+        turns: whether the last four numbers are a quaternion, which equals its negative.
+        any_order: whether the numbers may be in any order, as those of named joints.
+    """
     if a.shape != b.shape:
         return False
-    turned = np.concatenate([a[:-4], -a[-4:]])
-    pairs = ((a, b), (turned, b), (np.sort(a), np.sort(b)))
+    pairs = [(a, b)]
+    if turns:
+        pairs.append((np.concatenate([a[:-4], -a[-4:]]), b))
+    if any_order:
+        pairs.append((np.sort(a), np.sort(b)))
     return any(bool(np.abs(one - other).max(initial=0.0) <= _SAME) for one, other in pairs)
 
 

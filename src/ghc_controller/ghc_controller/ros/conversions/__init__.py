@@ -1,1 +1,1 @@
-"""Between messages and values."""
+"""Conversions between messages and values."""

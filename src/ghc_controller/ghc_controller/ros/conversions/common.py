@@ -1,4 +1,4 @@
-"""What all conversions share: numbers and diagnostics."""
+"""Shared by all conversions: numbers and diagnostics."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from collections.abc import Mapping
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.time import time_from_nanoseconds
 from ghc_controller.types import Array
 
 
 def doubles(values: Array) -> array[float]:
-    """Entries in row-major order, as a message takes them without a look at each."""
+    """Entries in row-major order, in a type that messages accept without checking each entry."""
     return array("d", np.ascontiguousarray(values, dtype=np.float64).tobytes())
 
 
@@ -36,3 +37,12 @@ def diagnostics_message(
     message = DiagnosticArray(status=[status])
     message.header.stamp = time_from_nanoseconds(stamp_ns)
     return message
+
+
+def check_frame(frame_id: str, world_frame: str) -> None:
+    """Raises InvalidValue for targets in another frame than the world's."""
+    if frame_id not in ("", world_frame):
+        raise InvalidValue(
+            f"frame_id '{frame_id}' given, '{world_frame}' or an empty one expected: targets are "
+            "in the axes of the world"
+        )

@@ -18,7 +18,7 @@ from ghc_controller.types import UNIT_TOLERANCE, Array
 
 SHORTEST_STEP, LONGEST_STEP = 1e-6, 10.0  # [s] between two points of a preview
 MOST_POINTS = 100_000  # [-]
-# What a planned obstacle may be at most, along one axis.
+# Largest values of a planned obstacle along one axis.
 FARTHEST, FASTEST, SHARPEST, JERKIEST = 100.0, 20.0, 1e3, 1e6  # [m], [m/s], [m/s^2], [m/s^3]
 
 
@@ -61,7 +61,7 @@ def preview_from_message(message: ConstraintPreview, start: float) -> Preview:
 def previews_message(
     previews: tuple[Preview, ...], start_ns: int, epoch: int
 ) -> ConstraintPreviews:
-    """Message of what one generator plans at a tick [ns]."""
+    """Message with the previews of one generator at a tick [ns]."""
     message = ConstraintPreviews(epoch=epoch)
     message.header.stamp = time_from_nanoseconds(start_ns)
     message.previews = [_preview_message(preview) for preview in previews]
@@ -69,7 +69,7 @@ def previews_message(
 
 
 def obstacle_message(report: ObstacleReport) -> PlannedMotion:
-    """A virtual obstacle as a control step used it; the jerk is left empty."""
+    """A virtual obstacle as used in a control step; the jerk is left empty."""
     return _motion_message(report.planned, report.state, report.planned.jerk[:0])
 
 
@@ -105,7 +105,7 @@ def _motion_message(motion: Motion, state: Array, jerk: Array) -> PlannedMotion:
 
 
 def _checked_step(step: float) -> float:
-    """The step [s] of a preview; InvalidValue when it is out of range or no number."""
+    """The step [s] of a preview; InvalidValue if it is NaN or out of range."""
     if not SHORTEST_STEP <= step <= LONGEST_STEP:
         raise InvalidValue(
             f"step {step:g} s given, {SHORTEST_STEP:g} to {LONGEST_STEP:g} s expected"
@@ -114,18 +114,19 @@ def _checked_step(step: float) -> float:
 
 
 def _bounds(message: ConstraintPreview, name: str) -> Array:
-    """(r, p) lower or upper bounds; GhcError for other sizes or what is not finite."""
+    """(r, p) lower or upper bounds; GhcError for wrong sizes or entries that are not finite."""
     count, points = len(message.rows), int(message.points)
     values = np.array(getattr(message, name), dtype=np.float64)
     if values.shape != (count * points,):
         raise WrongSize(f"{message.kind}, {name}", len(values), f"{count} * {points}")
     if not np.isfinite(values).all():
-        raise InvalidValue(f"{message.kind}, {name}: finite numbers expected")
+        bad = values[~np.isfinite(values)][0]
+        raise InvalidValue(f"{message.kind}, {name}: {bad} given, finite numbers expected")
     return values.reshape(count, points)
 
 
 def _status(value: int, where: str) -> PreviewStatus:
-    """The status of that number; InvalidValue when there is none."""
+    """The status with this value; InvalidValue when there is none."""
     try:
         return PreviewStatus(int(value))
     except ValueError as error:
@@ -142,7 +143,7 @@ def _stale_rule(value: int) -> StaleRule:
 
 
 def _motion(entry: PlannedMotion, steps: int) -> Motion:
-    """One obstacle of a preview of so many steps; GhcError as in preview_from_message."""
+    """One obstacle of a preview with `steps` steps; GhcError as in preview_from_message."""
     where = f"obstacle '{entry.id}'"
     normal, state = np.array(entry.normal, dtype=np.float64), motion_state(entry)
     jerk = np.array(entry.jerk, dtype=np.float64)
@@ -151,7 +152,11 @@ def _motion(entry: PlannedMotion, steps: int) -> Motion:
     if len(jerk) > 3 * steps:
         raise WrongSize(f"{where}, jerk", len(jerk), f"at most 3 * {steps}")
     if not (np.isfinite(jerk).all() and np.isfinite(state).all()):
-        raise InvalidValue(f"{where}: finite numbers expected")
+        raise InvalidValue(
+            f"{where}: position {entry.position.tolist()}, velocity {entry.velocity.tolist()}, "
+            f"acceleration {entry.acceleration.tolist()} and a jerk of {len(jerk)} numbers given, "
+            "finite numbers expected"
+        )
     if not (math.isfinite(entry.safe_distance) and entry.safe_distance >= 0.0):
         raise InvalidValue(
             f"{where}: safe_distance {entry.safe_distance:g} m given, 0 or more expected"
@@ -167,7 +172,7 @@ def _motion(entry: PlannedMotion, steps: int) -> Motion:
         if largest > most:
             raise InvalidValue(f"{where}, {what}: {largest:g} given, at most {most:g} expected")
     length = float(np.linalg.norm(normal))
-    if not abs(length - 1.0) <= UNIT_TOLERANCE:  # as well when it is no number
+    if not abs(length - 1.0) <= UNIT_TOLERANCE:  # also true for NaN
         raise InvalidValue(f"{where}: normal of length {length:g} given, 1 expected")
     return Motion(
         entry.id,

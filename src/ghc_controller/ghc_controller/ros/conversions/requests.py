@@ -1,4 +1,4 @@
-"""Requests to the controller and what became of them: transitions and references."""
+"""Requests to the controller and their status: transitions and references."""
 
 from __future__ import annotations
 
@@ -24,9 +24,12 @@ from ghc_controller.hierarchy import (
 from ghc_controller.references.follower import Follower
 from ghc_controller.references.progress import ReferenceEvent
 from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.ros.conversions.common import check_frame
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_seconds
 from ghc_controller.tasks.posture import PostureTask
 from ghc_controller.types import NANOSECONDS, Array
+
+WORLD = "world"  # frame_id of targets; an empty one means the same
 
 
 def transition_from_message(
@@ -68,7 +71,7 @@ def transition_from_message(
 def status_message(
     status: int, time: float, transition: Transition | None, request_id: str = "", reason: str = ""
 ) -> TransitionStatus:
-    """Status of a transition; of a request that never became one when it is None."""
+    """Status of a transition; None: the request was never accepted."""
     message = TransitionStatus(status=status, id=request_id, reason=reason)
     message.header.stamp = time_from_seconds(time)
     if transition is not None:
@@ -81,7 +84,7 @@ def status_message(
 
 
 def event_message(event: TransitionEvent) -> TransitionStatus:
-    """Status message of something that happened to an accepted transition."""
+    """Status message of an event of an accepted transition."""
     return status_message(
         getattr(TransitionStatus, event.phase.value), event.time, event.transition
     )
@@ -114,11 +117,12 @@ def reference_from_message(
     """Reference of a task; a zero stamp means `now` [s].
 
     Args:
-        current: target position in force, kept by points that give none.
+        current: current target position, kept by points that give none.
 
     Raises:
         GhcError: sizes, values or joint names that do not fit the task.
     """
+    check_frame(message.header.frame_id, WORLD)
     if not message.points:
         raise InvalidValue(f"task '{task.name}': no points given, at least one expected")
     order = _joint_order(message, task)
@@ -130,6 +134,8 @@ def reference_from_message(
         current if not point.position else _row(task, "position", point.position, order)
         for point in message.points
     ]
+    if len(message.points) == 1:
+        _check_at_rest(message, task)
     stamp = nanoseconds_from_time(message.header.stamp)
     return ReferenceTrajectory.for_task(
         task,
@@ -142,8 +148,20 @@ def reference_from_message(
     )
 
 
+def _check_at_rest(message: TaskReference, task: Follower) -> None:
+    """Reject the velocity of a single point: without a second one nothing moves at it."""
+    for name in ("velocity", "acceleration"):
+        values = getattr(message.points[0], name)
+        if any(values):
+            raise InvalidValue(
+                f"task '{task.name}', {name}: {[float(value) for value in values]} given for one "
+                "point, zeros or none expected: the target stays there. Two points make a motion, "
+                "and reachable_targets makes one of a stream of poses"
+            )
+
+
 def _joint_order(message: TaskReference, task: Follower) -> list[int] | None:
-    """Where the joints of the task stand in the message; None when it names none."""
+    """Index of each joint of the task in the message; None when it names none."""
     if not message.joints:
         return None
     if not isinstance(task, PostureTask):

@@ -1,4 +1,4 @@
-"""States of a robot and what belongs to them, from their bytes on the wire."""
+"""Robot states and their companion messages, from serialized bytes."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.wire.cdr import BYTE_ORDER, numbers_behind_strings
 from ghc_controller.types import UNIT_TOLERANCE, Array
 
-_POSE, _TWIST = slice(0, 7), slice(43, 49)  # of an Odometry's numbers; covariances between
+_POSE, _TWIST = slice(0, 7), slice(43, 49)  # of the numbers of an Odometry; covariances in between
 
 
 def read_joint_state(data: bytes) -> JointState:
-    """Message of its serialized bytes.
+    """Deserialize a JointState.
 
     Raises:
-        ValueError: the bytes are no JointState.
+        ValueError: the bytes are not a JointState.
     """
     try:
         return deserialize_message(data, JointState)
@@ -59,7 +59,7 @@ def base_from_bytes(data: bytes) -> Array:
 
 
 def _numbers(data: bytes, kind: type, strings: int, count: int) -> Array:
-    """Numbers of a serialized message of a `kind` that has them right behind its strings."""
+    """Numbers of a serialized message of type `kind`, stored directly after its strings."""
     try:
         if not data.startswith(BYTE_ORDER):
             data = bytes(serialize_message(deserialize_message(data, kind)))

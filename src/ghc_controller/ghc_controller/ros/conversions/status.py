@@ -23,7 +23,7 @@ from ghc_controller.ros.time import time_from_seconds
 
 
 def matrix_message(priorities: TransitionSchedule, time: float) -> PriorityMatrix:
-    """The matrix in force at `time` [s]."""
+    """The current matrix at `time` [s]."""
     message = PriorityMatrix(tasks=list(priorities.tasks))
     message.header.stamp = time_from_seconds(time)
     message.alpha = np.asarray(priorities.alpha).ravel().tolist()

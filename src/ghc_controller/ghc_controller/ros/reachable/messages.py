@@ -26,15 +26,6 @@ def check_kind(task: Follower) -> None:
         )
 
 
-def check_frame(frame_id: str, world_frame: str) -> None:
-    """Raises InvalidValue for targets in another frame than the world's."""
-    if frame_id not in ("", world_frame):
-        raise InvalidValue(
-            f"frame_id '{frame_id}' given, '{world_frame}' or an empty one expected: targets are "
-            "in the axes of the world"
-        )
-
-
 def stamp_of(message: PoseStamped | PointStamped) -> float | None:
     """[s], None where it is zero."""
     nanoseconds = nanoseconds_from_time(message.header.stamp)

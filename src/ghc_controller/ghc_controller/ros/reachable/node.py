@@ -3,6 +3,7 @@
 Publishes  ghc/task_reference (at `period` of the robot's time while the reference moves),
            /diagnostics.
 Subscribes joint_states (time, and where the robot is at the start), sim_bridge/epoch (latched),
+           odom (where a floating base is when a motion begins),
            targets/<task> (PoseStamped), target_points/<task> (PointStamped; tasks of a position
            only).
 Parameters see ReachableTargetsParameters.
@@ -12,13 +13,14 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, PoseStamped
 from ghc_msgs.msg import TaskReference
+from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
@@ -29,12 +31,11 @@ from ghc_controller.errors import GhcError, InvalidValue
 from ghc_controller.reachable import ReachableReference
 from ghc_controller.references.follower import ReferenceSpace
 from ghc_controller.robot.library import load_robot
-from ghc_controller.ros.conversions.common import diagnostics_message
-from ghc_controller.ros.conversions.states import read_joint_state
+from ghc_controller.ros.conversions.common import check_frame, diagnostics_message
+from ghc_controller.ros.conversions.states import base_from_bytes, read_joint_state
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.qos import CONTROL_SUBSCRIBER_QOS, RELIABLE_QOS, STREAM_QOS
 from ghc_controller.ros.reachable.messages import (
-    check_frame,
     check_kind,
     reference_message,
     stamp_of,
@@ -42,23 +43,26 @@ from ghc_controller.ros.reachable.messages import (
 )
 from ghc_controller.ros.reachable.parameters import ReachableTargetsParameters
 from ghc_controller.ros.rejections import Rejections
-from ghc_controller.ros.run import guarded, run_node
+from ghc_controller.ros.run import run_node, tolerant
 from ghc_controller.ros.wire.epochs import listen_to_epochs
 from ghc_controller.ros.wire.joint_state import JointStateDecoder
 from ghc_controller.ros.wire.joint_state_reader import JointStateReader
 from ghc_controller.ros.wire.timeline import Place, Timeline
-from ghc_controller.types import NANOSECONDS, RobotState
+from ghc_controller.safety.plausibility import StatePlausibility
+from ghc_controller.types import NANOSECONDS, Array
 
 NODE_NAME = "reachable_targets"
 _DIAGNOSTICS_PERIOD = 1.0  # [s] wall
-_MOST_AHEAD_NS = NANOSECONDS  # [ns] between two states: some are lost in a run that is fast
+_MOST_AHEAD_NS = NANOSECONDS  # [ns] between two states; some are lost in a fast run
 
 
 class ReachableTargetsNode:
     """Wires topics to the library; no arithmetic here."""
 
-    def __init__(self, stop: Future) -> None:
-        """Read the parameters, load the robot, compile, listen.
+    _base: Array | None  # (13,) of a floating base, as last measured
+
+    def __init__(self, stop: Future) -> None:  # noqa: ARG002 - no message stops it
+        """Read the parameters, load the robot, subscribe.
 
         Raises:
             GhcError: a parameter, or a file that it names, cannot be used.
@@ -71,19 +75,20 @@ class ReachableTargetsNode:
         self._reference = ReachableReference(robot, tasks, p.settings, p.posture)
         for stream in self._reference.streams.values():
             check_kind(stream.task)
-        self._warm_up(robot.model.nv)
+        self._floating, self._base = robot.floating_base, None
         self._reader = JointStateReader(robot.model.joint_names)
         self._decoder = JointStateDecoder(read_joint_state)
+        self._plausibility = StatePlausibility(robot.model.joint_names, robot.model.limits)
         self._timeline = Timeline(_MOST_AHEAD_NS)
         self._rejections = Rejections()
         self._period_ns = round(p.settings.period * NANOSECONDS)
         self._now_ns = -1  # of the last state
         self._due_ns = 0  # of the next plan
         self._samples = self._plans = 0
-        self._publish_and_listen(stop)
+        self._publish_and_listen()
         self.node.get_logger().info(f"{p.robot}: targets of {', '.join(tasks)}: ready")
 
-    def _publish_and_listen(self, stop: Future) -> None:
+    def _publish_and_listen(self) -> None:
         node = self.node
         self._out = node.create_publisher(TaskReference, "ghc/task_reference", RELIABLE_QOS)
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -91,35 +96,38 @@ class ReachableTargetsNode:
         node.create_subscription(
             JointState,
             "joint_states",
-            guarded(stop, self._on_state),
+            tolerant(self._on_state, "joint_states", self._reject),
             CONTROL_SUBSCRIBER_QOS,
             raw=True,
         )
+        if self._floating:
+            take_base: Callable[[Any], None] = tolerant(self._on_base, "odom", self._reject)
+            node.create_subscription(Odometry, "odom", take_base, CONTROL_SUBSCRIBER_QOS, raw=True)
         for name, stream in self._reference.streams.items():
             kinds: list[tuple[type, str]] = [(PoseStamped, f"targets/{name}")]
             if stream.task.space is ReferenceSpace.VECTOR:
                 kinds.append((PointStamped, f"target_points/{name}"))
             for kind, topic in kinds:
-                take = guarded(stop, partial(self._on_target, topic, name))
+                take: Callable[[Any], None] = tolerant(
+                    partial(self._on_target, topic, name), topic, self._reject
+                )
                 node.create_subscription(kind, topic, take, STREAM_QOS)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(_DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
 
-    def _warm_up(self, n: int) -> None:
-        """Compile by following the present positions for two plans."""
-        state = RobotState(0.0, np.zeros(n), np.zeros(n))
-        reference = self._reference
-        for stream in reference.streams.values():
-            position = reference.position_of(stream.task.name, state.q)
-            reference.add(stream.task.name, position, 0.0)
-        for k in range(2):
-            reference.plan(RobotState(k * reference.settings.period, state.q, state.v))
-        reference.reset()
+    def _on_base(self, data: bytes) -> None:
+        try:
+            self._base = base_from_bytes(data)
+        except InvalidValue as error:
+            self._reject("odom", str(error))
 
     def _on_state(self, data: bytes) -> None:
+        if self._floating and self._base is None:
+            self._reject("joint_states", "no odom came yet: where the base is is not known")
+            return
         try:
             values = self._decoder.decode(data)
-            state = self._reader.read(values, self._timeline.epoch, {})
+            state = self._reader.read(values, self._timeline.epoch, {}, self._base)
         except (InvalidValue, ValueError) as error:
             self._reject("joint_states", str(error))
             return
@@ -129,7 +137,15 @@ class ReachableTargetsNode:
             return
         if place is Place.RESTARTED:
             self._reference.reset()
+            self._plausibility.reset()
             self._due_ns = 0
+        elif place is Place.RESUMED:
+            self._plausibility.resume()
+        try:
+            self._plausibility.check(state)  # a plan begins where the robot is
+        except InvalidValue as error:
+            self._reject(str(error).split(":")[0], str(error))
+            return
         self._now_ns = stamp_ns = values.stamp_ns
         if stamp_ns < self._due_ns:
             return
@@ -177,7 +193,7 @@ class ReachableTargetsNode:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run the node until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    """Run the node until a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
     return run_node(NODE_NAME, ReachableTargetsNode, args)
 
 

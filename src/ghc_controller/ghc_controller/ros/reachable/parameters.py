@@ -11,7 +11,7 @@ from ghc_controller.schema.parameters import EXECUTOR, given, one_of, parameter
 
 @dataclass(frozen=True, slots=True)
 class ReachableTargetsParameters:
-    """Parameters of reachable_targets: those of its settings, and what only the node needs."""
+    """Parameters of reachable_targets: those of its settings, and those of the node itself."""
 
     robot: str = parameter("", "name of a robot, or path of its robot.yaml", given)
     tasks: tuple[str, ...] = parameter(

@@ -1,1 +1,1 @@
-"""Bytes on the wire: CDR read and written without message objects, at the control rate."""
+"""Serialized messages: CDR read and written without message objects, at the control rate."""

@@ -1,7 +1,7 @@
-"""Serialized messages written and read in place: what stays the same is laid out once.
+"""Reads and writes serialized messages in place; the constant part is laid out once.
 
-Plain CDR in native byte order. Alignment counts from behind the four bytes of encapsulation, and
-every message here begins with a stamp.
+Plain CDR in native byte order. Alignment is relative to the end of the four-byte encapsulation
+header, and every message here begins with a stamp.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ghc_controller.types import NANOSECONDS, Array
 ENCAPSULATION_SIZE = 4  # [bytes]
 STAMP_END = ENCAPSULATION_SIZE + 8  # [bytes] sec (int32) and nanosec (uint32) stand before it
 BYTE_ORDER = b"\x00\x01" if sys.byteorder == "little" else b"\x00\x00"
-ENCAPSULATION = BYTE_ORDER + b"\x00\x00"  # the options behind the byte order mean nothing here
+ENCAPSULATION = BYTE_ORDER + b"\x00\x00"  # the options after the byte order are unused here
 
 _STAMP = struct.Struct("=iI")
 _LENGTH = struct.Struct("=I")
@@ -24,7 +24,13 @@ _TICK = struct.Struct("=iIQ")
 
 
 def read_stamp(data: bytes | bytearray) -> int:
-    """Stamp [ns] of a serialized message that begins with one."""
+    """Stamp [ns] of a serialized message that begins with one.
+
+    Raises:
+        ValueError: the message is shorter than that.
+    """
+    if len(data) < STAMP_END:
+        raise ValueError(f"{len(data)} bytes are too few for a stamp")
     seconds, nanoseconds = _STAMP.unpack_from(data, ENCAPSULATION_SIZE)
     return int(seconds) * NANOSECONDS + int(nanoseconds)
 
@@ -35,7 +41,7 @@ def write_stamp(buffer: bytearray, stamp_ns: int) -> None:
 
 
 def number_view(data: bytes | bytearray, count: int, start: int) -> Array:
-    """The `count` float64 from `start` [bytes] on; writes through where `data` can be written."""
+    """View of `count` float64 at offset `start` [bytes]; writable if `data` is."""
     return np.frombuffer(data, np.float64, count, start) if count else np.empty(0)
 
 
@@ -58,12 +64,12 @@ def numbers_behind_strings(data: bytes, strings: int, count: int) -> Array:
 
 
 class CdrBody:
-    """Bytes of a message behind its encapsulation, with zeros where numbers will stand."""
+    """Bytes of a message after its encapsulation, with zeros as placeholders for numbers."""
 
     def __init__(self) -> None:
-        """Begin with the room of a stamp."""
+        """Begin with space for a stamp."""
         self._body = bytearray(STAMP_END - ENCAPSULATION_SIZE)
-        self._pieces: list[tuple[int, int]] = []  # [bytes] begin and end of what is written
+        self._pieces: list[tuple[int, int]] = []  # [bytes] begin and end of the written ranges
 
     def append_length(self, length: int) -> None:
         """Add the length of the sequence that follows."""
@@ -77,7 +83,7 @@ class CdrBody:
         self._write(encoded)
 
     def append_numbers(self, count: int) -> int:
-        """Add room for `count` float64; where it begins [bytes] in the whole message."""
+        """Add space for `count` float64; returns its offset [bytes] in the whole message."""
         if count:
             self._align(8)
         start = len(self._body) + ENCAPSULATION_SIZE
@@ -99,7 +105,7 @@ class CdrBody:
         return bytearray(ENCAPSULATION) + self._body
 
     def fixed_pieces(self) -> tuple[tuple[int, bytes], ...]:
-        """(begin, bytes) of all but stamp, numbers and padding: the latter is never cleared."""
+        """(begin, bytes) of all but stamp, numbers and padding; padding is undefined."""
         return ((0, BYTE_ORDER),) + tuple(
             (start + ENCAPSULATION_SIZE, bytes(self._body[start:end]))
             for start, end in self._pieces
@@ -115,7 +121,7 @@ def decode_tick(data: bytes) -> tuple[int, int]:
     """Start [ns] and epoch of a serialized ghc_msgs/Tick.
 
     Raises:
-        ValueError: the bytes are no such message.
+        ValueError: the bytes are not a Tick.
     """
     order = "<" if data[1:2] == b"\x01" else ">"
     try:

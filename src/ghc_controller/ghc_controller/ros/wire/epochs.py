@@ -1,6 +1,6 @@
-"""Listens to the runs of a simulated robot, so that a reset is followed at once.
+"""Announcements of runs of a simulated robot, so that a reset is followed at once.
 
-Subscribes sim_bridge/epoch (latched); a robot without a bridge has none, and its runs number 0.
+Subscribes sim_bridge/epoch (latched); without a bridge the run number is 0.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ EPOCH_TOPIC = "sim_bridge/epoch"
 
 
 def listen_to_epochs(node: Node, timeline: Timeline, reject: Callable[[str, str], object]) -> None:
-    """Tell `timeline` of every run; before other subscriptions, so that it is heard first."""
+    """Announce every run to `timeline`; created first, so that it is served first."""
 
     def announce(message: Epoch) -> None:
         timeline.announce(message.number, nanoseconds_from_time(message.start))

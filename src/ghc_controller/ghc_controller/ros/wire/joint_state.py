@@ -2,8 +2,8 @@
 
     stamp | frame_id | name[] | position[] | velocity[] | effort[]
 
-A JointState of seven named joints costs about 45 us to serialize and deserialize through the
-message class, most of it for names that never change.
+Serializing and deserializing a JointState of seven joints through the message class takes about
+45 us, mostly for names that never change.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ghc_controller.types import NANOSECONDS, Array
 
 
 class JointStateFields(Protocol):
-    """What is read of a sensor_msgs/JointState."""
+    """Fields read from a sensor_msgs/JointState."""
 
     header: Any
     name: Sequence[str]
@@ -28,21 +28,21 @@ class JointStateFields(Protocol):
 
 
 class JointStateValues(NamedTuple):
-    """A JointState as numbers; the arrays may be views that cannot be written to.
+    """A JointState as numbers; the arrays may be read-only views.
 
-    `name` is the same object as in the message before where nothing but numbers changed.
+    `name` is the same object as in the previous message if only numbers changed.
     """
 
     stamp_ns: int  # [ns]
     frame_id: str
     name: tuple[str, ...]
-    position: Array  # [rad], empty or one per name in a sound message
+    position: Array  # [rad], one per name, or empty
     velocity: Array  # [rad/s]
     effort: Array  # [Nm]
 
 
 class JointStateLayout:
-    """A serialized JointState with zero numbers, and where its three sequences begin."""
+    """A serialized JointState with zeros, and the offsets of its three sequences."""
 
     def __init__(
         self, frame_id: str, names: Sequence[str], position: int, velocity: int, effort: int
@@ -64,7 +64,7 @@ class JointStateLayout:
         self._fixed_pieces = body.fixed_pieces()  # (begin, bytes): names, lengths and frame_id
 
     def describes(self, data: bytes) -> bool:
-        """Whether `data` is such a message: all of it but stamp and numbers is the same."""
+        """Whether `data` has this layout: everything but stamp and numbers is equal."""
         if len(data) < len(self.data):
             return False
         for start, piece in self._fixed_pieces:  # noqa: SIM110 - a generator costs twice as much
@@ -73,7 +73,7 @@ class JointStateLayout:
         return True
 
     def values(self, data: bytes | bytearray) -> JointStateValues:
-        """The numbers of a message that this layout describes."""
+        """The numbers of a message with this layout."""
         (p, v, e), (at_p, at_v, at_e) = self._counts, self._starts
         return JointStateValues(
             read_stamp(data),
@@ -89,7 +89,7 @@ class JointStateEncoder:
     """Serialized JointStates of one set of joints; stamp and numbers are replaced in place."""
 
     def __init__(self, names: Sequence[str], frame_id: str, motion: bool = True) -> None:
-        """Lay out the message for `names`: an effort each, with `motion` position and velocity."""
+        """Lay out the message for `names`: efforts, and with `motion` positions and velocities."""
         n = len(names)
         moving = n if motion else 0
         layout = JointStateLayout(frame_id, names, moving, moving, n)
@@ -108,7 +108,7 @@ class JointStateEncoder:
         """Serialized message; the arrays have shape (n,) [Nm], [rad], [rad/s].
 
         Raises:
-            ValueError: an array has another shape (numpy refuses the assignment).
+            ValueError: an array has another shape (numpy rejects the assignment).
         """
         write_stamp(self._data, stamp_ns)
         self._effort[:] = effort
@@ -122,7 +122,7 @@ class JointStateEncoder:
 class JointStateDecoder:
     """Serialized JointState -> values.
 
-    A message is deserialized in full once; of the next ones that are laid out alike (names,
+    A message is deserialized in full once; for the following ones with the same layout (names,
     sizes, frame_id) only the numbers are read.
     """
 
@@ -145,8 +145,8 @@ class JointStateDecoder:
             np.array(field, dtype=np.float64)
             for field in (message.position, message.velocity, message.effort)
         )
-        # A message in another byte order or encoding does not fit its layout here: the next one
-        # is then read in full as well, instead of wrongly.
+        # A message in another byte order or encoding does not match the layout: the next one # is
+        # then read in full as well.
         sizes = (len(field) for field in fields)
         self._layout = layout = JointStateLayout(message.header.frame_id, message.name, *sizes)
         stamp = message.header.stamp

@@ -1,13 +1,12 @@
-"""Joint states by name, and the base: from values on the wire to the robot model's own order."""
+"""Converts received joint states and base to the order of the robot model."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
+from ghc_controller.core import native
 from ghc_controller.errors import InvalidValue
 from ghc_controller.ros.wire.joint_state import JointStateValues
 from ghc_controller.types import NANOSECONDS, Array, RobotState
@@ -17,16 +16,11 @@ class JointStateReader:
     """Reads positions, velocities and applied torques of the joints of one robot.
 
     The order of a message is looked up once and kept while its names stay the same; joints that
-    the robot model does not have (a gripper, a head) are passed over.
+    the robot model does not have (a gripper, a head) are ignored.
     """
 
     def __init__(self, joint_names: Sequence[str]) -> None:
         self._joints = tuple(joint_names)
-        # Compile now: what comes from the wire cannot be written to, decoded messages can.
-        for writeable in (False, True):
-            values = np.zeros(1)
-            values.flags.writeable = writeable
-            in_order(values, np.zeros(1, dtype=np.int64))
         self._names: tuple[str, ...] | None = None
         self._index = np.zeros(0, dtype=np.int64)
 
@@ -39,17 +33,20 @@ class JointStateReader:
     ) -> RobotState:
         """State of the robot at the stamp of `values`.
 
+        An effort of NaN means not measured, as reported by drivers without torque sensors; a NaN
+        position or velocity is a fault.
+
         Args:
             base: (13,) of a floating base: position, quaternion x, y, z, w, then linear and
                 angular velocity in base axes.
 
         Raises:
-            InvalidValue: a joint is missing, a field has another size or an entry that is not
-                finite; names the field and the joint.
+            InvalidValue: a joint is missing, a field has the wrong size, or an entry is not
+                finite (effort: infinite); names the field and the joint.
         """
         if values.name is not self._names:
             self._look_up(values.name)
-        effort = self._field("effort", values.effort) if len(values.effort) else None
+        effort = self._effort(values.effort) if len(values.effort) else None
         q, v = self._field("position", values.position), self._field("velocity", values.velocity)
         if base is not None:
             q, v = np.concatenate([base[:7], q]), np.concatenate([base[7:], v])
@@ -66,23 +63,32 @@ class JointStateReader:
         self._names = names
 
     def _field(self, field: str, given: Array) -> Array:
+        values, finite = self._ordered(field, given)
+        if not finite:
+            bad = self._joints[int(np.argmin(np.isfinite(values)))]
+            raise InvalidValue(
+                f"joint_states.{field}: not a finite number at joint '{bad}', a number expected"
+            )
+        return values
+
+    def _effort(self, given: Array) -> Array | None:
+        """Reported torques (a,) [Nm]: NaN where not measured; None if no joint has one."""
+        values, finite = self._ordered("effort", given)
+        if finite:
+            return values
+        if np.isinf(values).any():
+            bad = self._joints[int(np.argmax(np.isinf(values)))]
+            raise InvalidValue(
+                f"joint_states.effort: infinite at joint '{bad}', a number expected, or NaN "
+                "where it is not measured"
+            )
+        return None if np.isnan(values).all() else values
+
+    def _ordered(self, field: str, given: Array) -> tuple[Array, bool]:
+        """Values in the robot's order, and whether all of them are finite."""
         if given.shape[0] != len(self._names or ()):
             raise InvalidValue(
                 f"joint_states.{field}: {given.shape[0]} entries given, "
                 f"{len(self._names or ())} expected (one per name)"
             )
-        values, finite = in_order(given, self._index)
-        if not finite:
-            bad = self._joints[int(np.argmin(np.isfinite(values)))]
-            raise InvalidValue(f"joint_states.{field}: not a finite number at joint '{bad}'")
-        return values
-
-
-@njit(cache=True)
-def in_order(values: Array, index: NDArray[np.int64]) -> tuple[Array, bool]:  # pragma: no cover
-    """The entries at `index` (n,), and whether all of them are finite."""
-    ordered, finite = np.empty(index.shape[0]), True
-    for k in range(index.shape[0]):
-        ordered[k] = values[index[k]]
-        finite = finite and np.isfinite(ordered[k])
-    return ordered, finite
+        return native.in_order(given, self._index)

@@ -1,29 +1,29 @@
-"""Names nodes of another version: same topics, other messages."""
+"""Detects nodes of another version: same topics, different message definitions."""
 
 from __future__ import annotations
 
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-_UNKNOWN = "_NODE_NAME_UNKNOWN_"  # what rcl says of an endpoint before its node is discovered
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"  # name in rcl of an endpoint whose node is not discovered yet
 
 
 class OldClients:
-    """Looks for other nodes whose messages on this node's topics are defined otherwise.
+    """Finds nodes with different message definitions on this node's topics.
 
-    The middleware connects them by the name of the type, or not at all, and says nothing.
+    The middleware matches them by type name, or silently does not match them.
     """
 
     def __init__(self, node: Node) -> None:
-        """Nobody looked at yet."""
+        """Start with the first topic."""
         self._node = node
         self._turn = 0
         self._told: set[tuple[str, str]] = set()  # topic and node
 
     def look(self) -> str:
-        """Look at one topic, the next one at the next call; what to say, "" for nothing new.
+        """Check one topic per call, in turn; returns a warning, or "" for nothing new.
 
-        Asking for one topic takes a fraction of a millisecond, for all of them several.
+        A check of one topic takes a fraction of a millisecond; all of them take several.
         """
         node = self._node
         topics = sorted({entry.topic_name for entry in (*node.publishers, *node.subscriptions)})
@@ -53,7 +53,7 @@ def _name(entry: TopicEndpointInfo) -> str:
 
 
 def _same(entry: TopicEndpointInfo, own: TopicEndpointInfo) -> bool:
-    """Whether the type is the same, and its definition where both say it."""
+    """Whether the type is the same, and its definition if both state it."""
     hashes = [str(e.topic_type_hash) for e in (entry, own)]
     known = all(text.startswith("RIHS01_") for text in hashes)
     return entry.topic_type == own.topic_type and (not known or hashes[0] == hashes[1])

@@ -1,4 +1,5 @@
-"""Which robot states are answered: new ones once, repeated ones alike, old ones not at all."""
+"""Which robot states are answered: new ones once, repeated ones with the same command, stale
+ones never."""
 
 from __future__ import annotations
 
@@ -10,25 +11,26 @@ from ghc_controller.ros.wire.timeline import Place, Timeline
 from ghc_controller.types import Array
 
 M = TypeVar("M")
+KEPT = 8  # [-] companions kept per name: one with a wrong stamp must not replace the right one
 
 
 class StateDisposition(Enum):
-    """What a state message is."""
+    """Classification of a state message."""
 
     NEW = "new"  # to be answered
-    NEW_EPOCH = "new epoch"  # to be answered after forgetting the past
+    NEW_EPOCH = "new epoch"  # to be answered after a reset of the history
     REPEATED = "repeated"  # answered before: the same command again
     STALE = "stale"  # older than the last answered one
-    WAITING = "waiting"  # something that belongs to it is still to come
-    IMPLAUSIBLE = "implausible"  # far from the run under way, see Timeline
+    WAITING = "waiting"  # a companion is still missing
+    IMPLAUSIBLE = "implausible"  # far from the current run, see Timeline
 
 
 class StateGate(Generic[M]):
-    """Pairs states with what belongs to them and tells repeats from news.
+    """Pairs states with their companions and distinguishes new from repeated ones.
 
-    The stamp is the sequence number of a state; a `Timeline` says which stamps are believed. To a
-    state belong its companions (wrenches, odometry), which carry the same stamp, and plans that a
-    generator makes for the latest of its ticks at or before it.
+    The stamp is the sequence number of a state; a `Timeline` decides which stamps are accepted. A
+    state is complete with its companions (wrenches, odometry) of the same stamp and the plans of
+    the last generator tick at or before it.
     """
 
     def __init__(
@@ -38,40 +40,39 @@ class StateGate(Generic[M]):
         tick_ns: int = 1,
         timeline: Timeline | None = None,
     ) -> None:
-        """Wait for these, by name; `tick_ns` [ns] between two plans."""
+        """Names of companions and plans to wait for; `tick_ns` [ns] between two plans."""
         self.timeline = timeline or Timeline()
-        self._stamps = dict.fromkeys(companions, -1)
-        self._values: dict[str, Array] = {}
+        self._companions: dict[str, dict[int, Array]] = {name: {} for name in companions}
         self._plans = dict.fromkeys(plans, (-1, -1))  # epoch, stamp [ns]
         self._tick_ns = tick_ns
         self._waiting: tuple[M, int] | None = None
         self._answered_ns = -1
         self._repeatable = False
-        self._begins = False  # a run has begun, and none of its states was answered yet
+        self._begins = False  # a run has begun, and no state of it was answered yet
 
     @property
     def epoch(self) -> int:
-        """Number of the run under way."""
+        """Number of the current run."""
         return self.timeline.epoch
 
-    @property
-    def values(self) -> dict[str, Array]:
-        """Companions of the state under way by name."""
-        return dict(self._values)
+    def companions_of(self, stamp_ns: int) -> dict[str, Array]:
+        """Received companions of the state of this stamp, by name."""
+        found = self._companions.items()
+        return {name: kept[stamp_ns] for name, kept in found if stamp_ns in kept}
 
     def missing(self, stamp_ns: int) -> tuple[str, ...]:
-        """Names of what the state of this stamp still waits for."""
+        """Names of the missing companions of the state of this stamp."""
         tick = (self.epoch, stamp_ns - stamp_ns % self._tick_ns)
-        missing = [name for name, stamp in self._stamps.items() if stamp != stamp_ns]
+        missing = [name for name, kept in self._companions.items() if stamp_ns not in kept]
         return tuple(missing + [name for name, plan in self._plans.items() if plan < tick])
 
     @property
     def waiting_ns(self) -> int | None:
-        """Stamp [ns] of the state that waits, if any."""
+        """Stamp [ns] of the waiting state, if any."""
         return None if self._waiting is None else self._waiting[1]
 
     def state(self, message: M, stamp_ns: int) -> StateDisposition:
-        """Judge a state message by its stamp."""
+        """Classify a state message by its stamp."""
         place = self.timeline.judge(stamp_ns)
         if place is Place.OLDER:
             return StateDisposition.STALE
@@ -91,20 +92,22 @@ class StateGate(Generic[M]):
     def companion(
         self, name: str, stamp_ns: int, value: Array
     ) -> tuple[M, StateDisposition] | None:
-        """Take a companion; returns the state message that it completes, if any."""
-        self._stamps[name] = stamp_ns
-        self._values[name] = value
+        """Add a companion; returns the state message that it completes, if any."""
+        kept = self._companions[name]
+        kept[stamp_ns] = value
+        if len(kept) > KEPT:
+            del kept[next(iter(kept))]  # the oldest one
         return self._completed()
 
     def plan(self, name: str, stamp_ns: int, epoch: int) -> tuple[M, StateDisposition] | None:
-        """Take note of a plan; returns the state message that it completes, if any."""
+        """Register a plan; returns the state message that it completes, if any."""
         if name not in self._plans:
             return None
         self._plans[name] = (epoch, stamp_ns)
         return self._completed()
 
     def answered(self, stamp_ns: int) -> None:
-        """A command for this state was published."""
+        """Register that a command for this state was published."""
         self._answered_ns = stamp_ns
         self._repeatable, self._begins = True, False
 
@@ -121,5 +124,5 @@ class StateGate(Generic[M]):
 
     @property
     def _news(self) -> StateDisposition:
-        """Of a state that was not answered before; a run begins with the first one that is."""
+        """Disposition of a new state; the first answered one begins a run."""
         return StateDisposition.NEW_EPOCH if self._begins else StateDisposition.NEW

@@ -6,10 +6,10 @@ from __future__ import annotations
 class TickAnnouncer:
     """Ticks begin at multiples of the generators' step; each is announced once, or on a repeat.
 
-    A tick is announced half a tick ahead, at least with the last answer before its first state,
-    so that its plan is made meanwhile and is there in time. States with other stamps than
-    expected only cost that head start. While an epoch stands at its first state nothing is
-    announced ahead: what is scripted arrives then.
+    A tick is announced half a tick ahead, at the latest with the last answer before its first
+    state, so that its plan is computed in parallel and arrives in time. States with unexpected
+    stamps lose only this head start. While an epoch waits at its first state nothing is announced
+    ahead, since scripted messages arrive then.
     """
 
     def __init__(self, period_ns: int, tick_ns: int) -> None:
@@ -23,8 +23,8 @@ class TickAnnouncer:
     def on_state(self, stamp_ns: int, epoch: int) -> int | None:
         """Start [ns] of the tick to announce when a state arrives; None = it is known.
 
-        The tick of a state that comes again is announced again: somebody waits for its plan. A
-        state before the last one is that of a robot that has started again: so do the ticks.
+        The tick of a repeated state is announced again, since its plan is missing. An older stamp
+        means a restarted robot: the ticks restart as well.
         """
         repeated = (epoch, stamp_ns) == self._received
         if (epoch, stamp_ns) < self._received:

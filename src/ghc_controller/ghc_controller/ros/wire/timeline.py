@@ -1,4 +1,4 @@
-"""Which stamps belong to the run under way, so that no single message can hide those that do."""
+"""Decides which stamps belong to the current run; no single message can block valid ones."""
 
 from __future__ import annotations
 
@@ -9,67 +9,67 @@ from enum import Enum
 from ghc_controller.types import NANOSECONDS
 
 MOST_AHEAD_NS = 100_000_000  # [ns] a stamp may be ahead of the one before; see `Timeline`
-CONFIRMATIONS = 3  # [-] messages in a row that make another run believable
-SILENCE = 0.05  # [s] wall; so long the run under way has to be silent before
+CONFIRMATIONS = 3  # [-] consecutive messages that confirm another run
+SILENCE = 0.05  # [s] wall; required silence of the current run before that
 
 
 class Place(Enum):
-    """What a stamp is to the run under way."""
+    """Relation of a stamp to the current run."""
 
     NEXT = "next"  # at or behind the last one, near it
     OLDER = "older"  # before the last one
-    ELSEWHERE = "elsewhere"  # far ahead, or of another epoch: not believed yet
-    RESUMED = "resumed"  # as ELSEWHERE or OLDER in the same epoch, and confirmed: go on there
-    RESTARTED = "restarted"  # a run begins that was announced or confirmed: forget the past
+    ELSEWHERE = "elsewhere"  # far ahead, or of another epoch: not accepted yet
+    RESUMED = "resumed"  # as ELSEWHERE or OLDER in the same epoch, and confirmed: continue there
+    RESTARTED = "restarted"  # a run begins that was announced or confirmed: reset the history
 
 
 class Timeline:
-    """Follows the stamps of a stream that may contain anything.
+    """Follows the stamps of a stream with possibly invalid messages.
 
     A stamp shortly after the last one continues the run. Any other one is followed at once where
-    it is near the start of a run that was announced (`sim_bridge/epoch`): two topics agree.
-    Otherwise it is followed only when CONFIRMATIONS of them came in a row, each continuing the
-    one before, after the run under way has been silent for SILENCE. So a reset is followed at
-    once, a restarted bridge or driver and a cut link after that time, and neither a forged stamp
-    nor a forged announcement ever is, as long as the true stamps keep coming. The first stamp of
-    all is believed.
+    it is near the start of an announced run (`sim_bridge/epoch`): two topics agree. Otherwise it
+    is followed only after CONFIRMATIONS consecutive stamps, each continuing the one before, and
+    only if the current run has sent nothing for SILENCE. So a reset is followed at once, a
+    restarted bridge or driver and an interrupted link after that time, and neither a forged stamp
+    nor a forged announcement is followed while valid stamps keep arriving. The very first stamp is
+    accepted.
     """
 
     def __init__(
         self, most_ahead_ns: int = MOST_AHEAD_NS, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        """Nothing seen yet.
+        """Start without a run.
 
         Args:
-            most_ahead_ns: [ns] from one stamp to the next one of a run, at most.
-            clock: gives wall time [s].
+            most_ahead_ns: [ns] largest difference of consecutive stamps of a run.
+            clock: returns wall time [s].
         """
         self.most_ahead_ns = most_ahead_ns
         self._clock = clock
-        self._heard_at = 0.0  # [s] wall, of the last message of the run
+        self._heard_at = 0.0  # [s] wall, last message of the run
         self._other: tuple[int | None, int] | None = None
         self._in_a_row = 0
         self._begun = False
-        self._first_ns = 0  # [ns] stamp of the run with which it was begun here
+        self._first_ns = 0  # [ns] first stamp of the run
         self._announced: tuple[int, int] | None = None  # epoch and start [ns], not begun yet
-        self.resumed = False  # whether the message judged last is RESUMED
-        self.epoch = 0  # number of the run under way; 0 where none was announced
-        self.start_ns: int | None = None  # [ns] of the run under way, where it was announced
+        self.resumed = False  # whether the last message is RESUMED
+        self.epoch = 0  # number of the current run; 0 if none was announced
+        self.start_ns: int | None = None  # [ns] of the current run, if it was announced
         self.last_ns = -1  # [ns] stamp followed last; -1 before the first
 
     def announce(self, epoch: int, start_ns: int) -> None:
-        """A run begins at `start_ns` [ns], or has begun there and is the one under way."""
+        """A run begins at `start_ns` [ns], or has begun there and is the current one."""
         if self._begun and self.start_ns is None and start_ns <= self._first_ns:
             self.epoch, self.start_ns = epoch, start_ns
         elif (epoch, start_ns) != (self.epoch, self.start_ns) or self.last_ns > start_ns:
             self._announced = (epoch, start_ns)
 
     def judge(self, stamp_ns: int, epoch: int | None = None) -> Place:
-        """Where a message belongs; NEXT, RESUMED and RESTARTED move on to it.
+        """Classify a message; NEXT, RESUMED and RESTARTED advance to it.
 
         Args:
             stamp_ns: [ns] of the message.
-            epoch: its run, where the message says so.
+            epoch: its run, if the message contains it.
         """
         now = self._clock()
         self.resumed = False
@@ -101,7 +101,7 @@ class Timeline:
         return self.start_ns is not None and stamp_ns < self.start_ns
 
     def expected(self) -> str:
-        """What is expected of a stamp, for the reason of a refusal."""
+        """Which stamps are expected, for the reason of a rejection."""
         ahead, last = self.most_ahead_ns / NANOSECONDS, self.last_ns / NANOSECONDS
         return (
             f"at most {ahead:g} s after {last:.6f} s in epoch {self.epoch} expected; another time "
@@ -110,7 +110,7 @@ class Timeline:
         )
 
     def is_of_next_run(self, stamp_ns: int) -> bool:
-        """Whether a stamp [ns] is of a run that was announced and has not begun."""
+        """Whether a stamp [ns] belongs to an announced run that has not begun."""
         return self._begun and self._passes_start(stamp_ns)
 
     def _begin(self, stamp_ns: int, epoch: int | None, now: float) -> Place:
@@ -122,7 +122,7 @@ class Timeline:
         return epoch is None or epoch == self.epoch
 
     def _is_announced(self, stamp_ns: int, epoch: int | None) -> bool:
-        """Whether a run that was announced and has not begun begins with a stamp."""
+        """Whether an announced run that has not begun starts with a stamp."""
         announced = self._announced
         return (
             announced is not None
@@ -131,7 +131,7 @@ class Timeline:
         )
 
     def _is_behind(self, announced: tuple[int, int], stamp_ns: int, epoch: int | None) -> bool:
-        """Whether a stamp can be of an announced run; a tick may begin before its first state."""
+        """Whether a stamp can belong to an announced run; a tick may precede its first state."""
         number, start_ns = announced
         return epoch in (None, number) and stamp_ns >= start_ns - self.most_ahead_ns
 
@@ -140,7 +140,7 @@ class Timeline:
         return self._announced is not None and self.last_ns < self._announced[1] <= stamp_ns
 
     def _restart(self, stamp_ns: int, epoch: int | None, now: float) -> None:
-        """Begin a run here, the announced one if the stamp can be of it."""
+        """Begin a run at this stamp: the announced one if the stamp can belong to it."""
         announced, self.start_ns = self._announced, None
         if announced is not None and self._is_behind(announced, stamp_ns, epoch):
             self.epoch, self.start_ns = announced

@@ -1,1 +1,1 @@
-"""Every experiment of paper and thesis, and the document of results."""
+"""All experiments of the paper and the thesis, and the document with their results."""

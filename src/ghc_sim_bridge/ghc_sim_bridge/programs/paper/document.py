@@ -1,4 +1,4 @@
-"""docs/results.md: figures of paper and thesis beside ours, written from the runs' summaries."""
+"""Writes docs/results.md: results of the paper and the thesis next to those of our runs."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ Results = Mapping[str, PaperResult]
 
 
 def write_document(results: Results, docs: Path) -> Path:
-    """Write results.md and its figures into `docs`; the path of the document.
+    """Write results.md and its figures into `docs`; returns the path of the document.
 
-    Runs that are missing are named as missing; sections without any run are left out.
+    Missing runs are listed; sections without any run are omitted.
     """
     docs.mkdir(parents=True, exist_ok=True)
     summaries = {name: result.summary for name, result in results.items()}
@@ -80,7 +80,7 @@ def write_document(results: Results, docs: Path) -> Path:
 
 
 def _runs_section(summaries: Mapping[str, Mapping[str, Any]]) -> str:
-    """How every run went: time, failures, limits."""
+    """Table of all runs: time, failures, limits."""
     rows = []
     for run in PAPER_RUNS:
         summary = summaries.get(run.name)

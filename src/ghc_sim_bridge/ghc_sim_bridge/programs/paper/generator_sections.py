@@ -76,7 +76,7 @@ def _obstacle_line(values: Mapping[str, Any]) -> str:
 
 
 def _comparisons(summaries: Summaries, scenario: str) -> dict[str, Mapping[str, Any]]:
-    """Raw against smoothed bounds by formulation: the default one first, then the paper's own."""
+    """Raw against smoothed bounds by formulation: the default first, then the paper's."""
     found = [summaries.get(name, {}).get("comparison") for name in (scenario, beside(scenario))]
     return {data["formulation"]: data for data in found if data is not None}
 
@@ -90,7 +90,7 @@ def _section(
     caption: str,
     reasons: str,
 ) -> str:
-    """A table of the events, how bounds were kept, figures; "" without any comparison."""
+    """Table of events, bound violations, and figures; "" without a comparison."""
     if not comparisons:
         return ""
     files = ((name, caption), (beside(name), f"The same with `{PAPERS_OWN}`."))

@@ -163,7 +163,7 @@ between two, so `cascade` answers them as `balanced` does. The sizes follow our 
 
 
 def _both(summaries: Summaries, name: str) -> dict[str, Summary]:
-    """Runs of one experiment by formulation: the default one first, then the paper's own."""
+    """Runs of one experiment by formulation: the default first, then the paper's."""
     names = (name, beside(name))
     return {summaries[run]["formulation"]: summaries[run] for run in names if run in summaries}
 
@@ -195,12 +195,12 @@ def _phases(runs: Mapping[str, Summary]) -> str:
 
 
 def _speed_left(run: Summary, phase: int) -> str:
-    """Mean speed of the fastest joint at the end of a phase; a dash while references move."""
+    """Mean speed of the fastest joint at the end of a phase; a dash for moving references."""
     rest = run["rest"]
     return number(rest["mean_speed_rad_per_s"][phase] if rest["references_rest"][phase] else None)
 
 
 def _shown(pictures: Pictures, name: str, caption: str) -> list[str]:
-    """A figure of the run with the default formulation, and of the one with the paper's own."""
+    """A figure of the run with the default formulation, and of the run with the paper's."""
     wanted = ((name, caption), (beside(name), f"The same with `{PAPERS_OWN}`."))
     return [picture(f"{file}.png", text) for file, text in wanted if f"{file}.png" in pictures]

@@ -25,7 +25,7 @@ from ghc_sim_bridge.run.interrupts import interruptible
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; 0 = every run went well, 1 = at least one did not, 2 = wrong arguments."""
+    """Exit code: 0 = all runs succeeded, 1 = at least one failed, 2 = wrong arguments."""
     options = _parser().parse_args(arguments)
     return interruptible("paper", partial(_run_all, options))
 
@@ -48,8 +48,8 @@ def _run_all(options: argparse.Namespace) -> int:
 
 
 def _run(run: PaperRun, output: Path) -> bool:
-    """Make one run; whether it went well."""
-    from ghc_sim_bridge.programs.report import (  # late: documents need no ROS
+    """Execute one run; returns whether it succeeded."""
+    from ghc_sim_bridge.programs.report import (  # imported late: documents need no ROS
         run_and_report,
         went_well,
     )
@@ -62,7 +62,7 @@ def _run(run: PaperRun, output: Path) -> bool:
 
 
 def _study(docs: Path) -> bool:
-    """The thesis' studies of the generators, which write a document of their own."""
+    """Run the thesis' studies of the generators, which write their own document."""
     from ghc_sim_bridge.run.executables import find_executable
 
     try:
@@ -74,7 +74,7 @@ def _study(docs: Path) -> bool:
 
 
 def _with_comparisons(results: dict[str, PaperResult]) -> dict[str, PaperResult]:
-    """The same results; runs with smoothed bounds carry the comparison with those without."""
+    """Results, with the raw-bounds comparison added to runs with smoothed bounds."""
     for name, other in GENERATOR_PAIRS.items():
         if name in results and other in results:
             off, on = results[other], results[name]
@@ -84,7 +84,7 @@ def _with_comparisons(results: dict[str, PaperResult]) -> dict[str, PaperResult]
 
 
 def _collect(output: Path) -> dict[str, PaperResult]:
-    """Results of all paper runs that have been made, now or before, by name."""
+    """Results of all finished paper runs, current and earlier, by name."""
     results = {}
     for run in PAPER_RUNS:
         plan = run.plan(output)

@@ -1,4 +1,4 @@
-"""Pictures for docs/results.md: copies of the runs' own figures, and comparisons."""
+"""Figures for docs/results.md: copies of figures of the runs, and comparisons."""
 
 from __future__ import annotations
 
@@ -57,11 +57,11 @@ _COPIES = {
 
 
 class Result(Protocol):
-    """What is needed of a finished run."""
+    """The required interface of a finished run."""
 
     @property
     def plan(self) -> RunPlan:
-        """Its plan, with the folder of its files."""
+        """Its plan, which includes its folder."""
 
     @property
     def summary(self) -> Summary:
@@ -69,7 +69,7 @@ class Result(Protocol):
 
 
 def write_pictures(results: Mapping[str, Result], folder: Path) -> frozenset[str]:
-    """Write all pictures that the results allow; their file names."""
+    """Write all figures for the available results; returns their file names."""
     folder.mkdir(parents=True, exist_ok=True)
     written = set()
     for name, copies in _COPIES.items():

@@ -1,4 +1,4 @@
-"""The runs that `paper` makes: every experiment of the GHC paper, and the comparisons."""
+"""The runs of `paper`: all experiments of the GHC paper, and comparisons."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ghc_sim_bridge.scenario.planning import make_plan
 from ghc_sim_bridge.scenario.scenario import load_scenario
 
 _AT_ONCE = 0.005  # [s] the paper's fast transition
-_RATE_LIMIT = DEFAULT_TORQUE_RATE  # [Nm/s] what a robot has without one of its own
+_RATE_LIMIT = DEFAULT_TORQUE_RATE  # [Nm/s] default limit of robots
 
 
 @dataclass(frozen=True, slots=True)
 class PaperRun:
-    """One run under the name by which `--only` and the document know it."""
+    """One run; `--only` and the document refer to it by `name`."""
 
     name: str
     scenario: str
@@ -36,7 +36,7 @@ def _switching(name: str, formulation: str, transition: float | None = None) -> 
 
 
 def _both(name: str, scenario: str, variant: str = "") -> tuple[PaperRun, PaperRun]:
-    """A scenario with the default formulation and with the paper's own."""
+    """A scenario with the default formulation and with the paper's."""
     own = RunOptions(formulation=PAPERS_OWN)
     return (
         PaperRun(name, scenario, variant),
@@ -57,21 +57,21 @@ def _pairs(scenario: str) -> tuple[PaperRun, ...]:
     )
 
 
-PAPERS_OWN = "ghc"  # the formulation of the paper, beside the default one
+PAPERS_OWN = "ghc"  # formulation of the paper, run in addition to the default one
 
 
 def beside(name: str) -> str:
-    """Name of the run with the paper's own formulation, beside a run with the default one."""
+    """Name of the run with the paper's formulation that belongs to a run with the default one."""
     return f"{name}_{PAPERS_OWN}"
 
 
-# Runs of `_pairs`: by the name of the one with smoothed bounds.
+# Runs of `_pairs`, by the name of the run with smoothed bounds.
 GENERATOR_PAIRS = {
     name: f"{name}_off"
     for scenario in ("force_bound_step", "obstacle_jump")
     for name in (scenario, beside(scenario))
 }
-STUDIES = "studies"  # of ghc_mpc_constraints, without a robot
+STUDIES = "studies"  # of the generators, without a robot
 
 PAPER_RUNS = (
     _switching("cascade", "cascade"),
@@ -112,7 +112,7 @@ PAPER_RUNS = (
 
 
 def choose_runs(names: Sequence[str]) -> tuple[PaperRun, ...]:
-    """Runs by name or by scenario, all when none is given; `studies` is none of them.
+    """Runs by name or by scenario, all if none is given; not including `studies`.
 
     Raises UnknownName.
     """
@@ -131,5 +131,5 @@ def choose_runs(names: Sequence[str]) -> tuple[PaperRun, ...]:
 
 
 def wants_studies(names: Sequence[str]) -> bool:
-    """Whether the studies are among the chosen names, or all is."""
+    """Whether the studies are selected, by name or by default."""
     return not names or STUDIES in names

@@ -12,8 +12,8 @@ Summaries = Mapping[str, Summary]
 
 _FORMULATIONS = ("cascade", "ghc", "ghc_full", "balanced", "weighted", "hqp")
 _NUMBERS = {"end_effector": "1", "elbow": "2", "posture": "3"}
-_SETTLED = 1e-3  # [m] or [rad] the comparison with HQP is of errors larger than this
-_ASKED = ("hqp", "cascade")  # the comparison that has to reach a ratio
+_SETTLED = 1e-3  # [m] or [rad] only larger errors are compared with HQP
+_ASKED = ("hqp", "cascade")  # the comparison with a required ratio
 _TRANSITIONS = {
     "hqp": ("hqp", "at once"),
     "hqp_braked": ("hqp, damped towards -kd v", "at once"),

@@ -1,4 +1,4 @@
-"""docs/mpc_studies.md: the thesis' numbers beside ours, written from the runs."""
+"""Writes docs/mpc_studies.md: results of the thesis next to ours."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ in by hand. *The thesis* is M. Liu's, chapters 4 and 5. T = 0.01 s throughout. N
 
 
 def write_document(studies: Studies, docs: Path) -> Path:
-    """Write the document into a folder; its path."""
+    """Write the document into a folder; returns its path."""
     docs.mkdir(parents=True, exist_ok=True)
     sections = [
         _HEAD,

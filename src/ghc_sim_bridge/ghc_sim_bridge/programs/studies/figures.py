@@ -1,4 +1,4 @@
-"""The thesis' figures, drawn from our runs."""
+"""Figures of the thesis, drawn from our runs."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _sweep(
 
 def _grids(studies: Studies, path: Path) -> None:
     """Figures 5.8 to 5.10."""
-    figure = new_figure(8.5, 2.4)
+    figure = new_figure(9.4, 2.4)
     with styled():
         panels = figure.subplots(1, 3)
     for axes, jump in zip(panels[:2], (5.0, 50.0), strict=True):
@@ -87,13 +87,15 @@ def _grids(studies: Studies, path: Path) -> None:
                 "o-",
                 ms=2.5,
                 color=colour(place),
-                label=f"α {row[0].case.weight:g}",
+                label=f"α = {row[0].case.weight:g} s²" if axes is panels[0] else None,
             )
         axes.set_yscale("log")
         _label(axes, f"jump of {jump:g} N", "NT [s]", "largest derivative [N/s]")
     rates = [run.largest_rate for run in studies.by_jump()]
     panels[2].plot(JUMPS, rates, "o-", ms=3, color=colour(0))
     _label(panels[2], "α = 0.4 s², NT = 1 s", "jump [N]", "largest derivative [N/s]")
+    panels[0].get_legend().remove()  # it would cover the curves
+    figure.legend(loc="outside right center", fontsize=7, frameon=False)
     save_png(figure, path)
 
 

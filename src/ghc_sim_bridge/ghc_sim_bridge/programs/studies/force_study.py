@@ -1,4 +1,4 @@
-"""One run of section 5.2: the maximum force drops to zero at 4 s and comes back at 6 s."""
+"""One run of section 5.2: the maximum force drops to zero at 4 s and rises again at 6 s."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ghc_mpc_constraints.previews.force_bound_qp import ForceBoundWeights
 from ghc_mpc_constraints.schedules.contact_schedule import ContactSchedule
 
 DROP, RISE, END = 4.0, 6.0, 10.0  # [s]
-STARTED = 1e-2  # [-] of the jump: a bound lower by this much has begun to move
+STARTED = 1e-2  # [-] of the jump: change of a bound that counts as its start
 
 
 @dataclass(frozen=True, slots=True)
 class ForceCase:
-    """What is varied; the defaults are those of figure 5.3."""
+    """Parameters of the study; the defaults are those of figure 5.3."""
 
     jump: float = 5.0  # [N]
     weight: float = 0.1  # [s^2] alpha
@@ -31,7 +31,7 @@ class ForceCase:
 
 @dataclass(frozen=True, slots=True)
 class ForceRun:
-    """What came of it."""
+    """Result of a run."""
 
     case: ForceCase
     time: Array  # (k,) [s]
@@ -50,13 +50,13 @@ class ForceRun:
 
     @property
     def starts_at(self) -> float:
-        """Time [s] at which the bound begins to move, by a hundredth of the jump."""
+        """Time [s] at which the bound has changed by a hundredth of the jump."""
         moved = self.upper < self.raw - STARTED * self.case.jump
         return float(self.time[int(np.argmax(moved))])
 
 
 def run_force(case: ForceCase) -> ForceRun:
-    """Tick the generator through the schedule."""
+    """Run the generator over the schedule."""
     generator = ContactForceBounds(
         ForceBoundSettings(
             step=case.step,

@@ -13,7 +13,7 @@ from ghc_sim_bridge.programs.studies.plan_of_studies import all_workers, run_stu
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; 0 = written."""
+    """Exit code: 0 = written."""
     options = _parser().parse_args(arguments)
     studies = run_studies(options.workers, not options.no_timing)
     write_figures(studies, options.docs / "figures")

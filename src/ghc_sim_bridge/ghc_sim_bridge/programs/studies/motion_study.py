@@ -19,19 +19,19 @@ DUE = ENTERS + VIOLATION / MAX_VELOCITY  # [s] eq. 4.4
 
 @dataclass(frozen=True, slots=True)
 class MotionCase:
-    """What is varied; the defaults are those of figure 4.5, D added for figure 4.8."""
+    """Parameters of the study; the defaults are those of figure 4.5, with D for figure 4.8."""
 
     jerk_weight: float = 1e-5  # [s^6] gamma
     horizon: float = 1.5  # [s]
     dynamic: bool = False
     power: float = POWER  # [-] g
-    outside: float = SAFE  # [m] where the obstacle is before and after
+    outside: float = SAFE  # [m] position of the obstacle before and after
     step: float = 0.01  # [s]
 
 
 @dataclass(frozen=True, slots=True)
 class MotionRun:
-    """What came of it."""
+    """Result of a run."""
 
     case: MotionCase
     time: Array  # (k,) [s]
@@ -40,21 +40,21 @@ class MotionRun:
 
     @property
     def overshoot(self) -> float:
-        """[%] of the steady state, by which the closest position passes it."""
+        """Overshoot of the closest position [%] of the steady state."""
         inside = SAFE - VIOLATION
         due = (self.time > DUE - 0.5) & (self.time < LEAVES)
         return 100.0 * (inside - float(self.state[due, 0].min())) / inside
 
 
 def reference(case: MotionCase, now: float, times: Array) -> Array:
-    """Previewed positions as of `now`: entering counts a reaction time later, leaving at once."""
+    """Preview at `now`: entering takes effect after the reaction time, leaving at once."""
     entered = ENTERS - 1e-9 <= now < LEAVES - 1e-9
     inside = entered & (times >= DUE - 1e-9)
     return np.where(inside, SAFE - VIOLATION, case.outside)
 
 
 def run_motion(case: MotionCase) -> MotionRun:
-    """Tick the QP of one axis through the course (eq. 4.14, or 4.15 with D)."""
+    """Run the QP of one axis over the motion (eq. 4.14, or 4.15 with D)."""
     horizon = Horizon.of(case.step, case.horizon)
     qp = MotionQp(horizon, case.jerk_weight)
 

@@ -1,4 +1,4 @@
-"""Which cases are run for which figure of the thesis, and their results by figure."""
+"""The cases of each figure of the thesis, and their results by figure."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Studies:
     ticks: dict[TickCase, TickTimes]
 
     def by_weight(self) -> list[ForceRun]:
-        """Figure 5.5 and 5.6: N T = 1.5 s, 5 N."""
+        """Figures 5.5 and 5.6: N T = 1.5 s, 5 N."""
         return [self.force[ForceCase(weight=weight)] for weight in WEIGHTS]
 
     def by_horizon(self) -> list[ForceRun]:
@@ -55,12 +55,12 @@ class Studies:
         return [self.motion[MotionCase(horizon=horizon)] for horizon in MOTION_HORIZONS]
 
     def by_power(self) -> list[MotionRun]:
-        """With D, by its power g."""
+        """Results with D, by its power g."""
         return [self.motion[MotionCase(dynamic=True, power=power)] for power in POWERS]
 
 
 def run_studies(workers: int, with_ticks: bool = True) -> Studies:
-    """Run everything; `workers` processes at a time, the timing alone."""
+    """Run all cases in `workers` processes; the timing runs alone."""
     force = {ForceCase(jump, w, h) for jump in (5.0, 50.0) for w in WEIGHTS for h in HORIZONS}
     force |= {ForceCase(jump, 0.4, 1.0) for jump in JUMPS}
     motion = {MotionCase(jerk_weight=gamma) for gamma in GAMMAS}
@@ -87,5 +87,5 @@ def run_studies(workers: int, with_ticks: bool = True) -> Studies:
 
 
 def all_workers() -> int:
-    """As many as there are cores."""
+    """Number of CPU cores."""
     return os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""Ways to read eq. 4.14, and the overshoot that each gives (thesis: 31 %)."""
+"""Interpretations of eq. 4.14, and the overshoot of each (thesis: 31 %)."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ Limit = Callable[[Array], Array]  # preview -> limit of every point
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One way to read the problem."""
+    """One interpretation of the problem."""
 
     title: str
     order: int = 3  # integrators: 3 = jerk is the input
     limit: str = "all"  # points at which (4.14c) holds: all, none, inside, first inside
-    smooth_input: bool = False  # the weight is on the change of the jerk, not on the jerk
-    velocity_weight: float = 0.0  # [s^2] of the velocity beside the position
-    outside: float = SAFE  # [m] where the obstacle comes from
+    smooth_input: bool = False  # weight on the change of the jerk instead of the jerk
+    velocity_weight: float = 0.0  # [s^2] of the velocity, in addition to the position
+    outside: float = SAFE  # [m] initial position of the obstacle
 
     def overshoot(self) -> float:
         """[%] of the steady state."""
@@ -55,7 +55,7 @@ def _case(reading: Reading) -> MotionCase:
 
 
 def _solver(reading: Reading) -> Callable[[Array, Array], float]:
-    """First input of the QP of a reading, written out densely."""
+    """First input of the dense QP of an interpretation."""
     model = integrator_chain(reading.order, _HORIZON)
     solver = make_solver("daqp", SolverSettings(tolerance=1e-8, max_pivots=4000))
     hessian, change = _hessian(reading, model)
@@ -90,7 +90,7 @@ def _solver(reading: Reading) -> Callable[[Array, Array], float]:
 
 
 def _slope(model: PreviewModel) -> Array:
-    """(N, N) positions to velocities by differences."""
+    """(N, N) finite differences: positions to velocities."""
     steps = len(model.input_response)
     slope: Array = (np.eye(steps) - np.eye(steps, k=-1)) / _HORIZON.step
     return slope

@@ -1,4 +1,4 @@
-"""Many independent runs on the cores there are, with a progress bar."""
+"""Independent runs in parallel, with a progress bar."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ R = TypeVar("R")
 
 
 def run_all(title: str, run: Callable[[C], R], cases: Sequence[C], workers: int) -> list[R]:
-    """Results in the order of the cases; each worker is a process of its own with one thread."""
+    """Results in the order of the cases; each worker is a separate process with one thread."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # read by the libraries of the workers when they load
     context = multiprocessing.get_context("spawn")

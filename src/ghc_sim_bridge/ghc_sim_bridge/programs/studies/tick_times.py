@@ -1,4 +1,4 @@
-"""Time per tick of both generators, against the horizon and how many they handle."""
+"""Time per tick of both generators, by horizon and number of contacts or obstacles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STEP = 0.01  # [s]
 
 @dataclass(frozen=True, slots=True)
 class TickCase:
-    """Which generator, how many contacts or obstacles, how long a horizon [s]."""
+    """Generator, number of contacts or obstacles, horizon [s]."""
 
     generator: str  # contact_force_bounds | obstacle_bounds
     count: int
@@ -34,18 +34,18 @@ class TickCase:
 
 @dataclass(frozen=True, slots=True)
 class TickTimes:
-    """Times [s], of the wall unless said otherwise."""
+    """Times [s], wall time unless stated otherwise."""
 
     case: TickCase
-    start: float  # making the generator, compiled code from the cache
+    start: float  # construction of the generator
     first: float  # the first tick
     median: float  # over ticks with a change in the horizon
     p99: float
-    own: float  # median of the thread's own time: what else the machine does is left out
+    own: float  # median CPU time of the thread, independent of other load
 
 
 def time_ticks(case: TickCase) -> TickTimes:
-    """Time a generator over ticks that all have a change in their horizon."""
+    """Time a generator over ticks with a change in every horizon."""
     begun = time.perf_counter()
     tick, feed = _force(case) if case.generator == "contact_force_bounds" else _motion(case)
     start = time.perf_counter() - begun
@@ -67,7 +67,7 @@ def time_ticks(case: TickCase) -> TickTimes:
 
 
 def _force(case: TickCase) -> tuple[Tick, Feed]:
-    """Contacts whose both bounds jump once a second, each at its own time."""
+    """Contacts with both bounds jumping once per second, at different times."""
     generator = ContactForceBounds(ForceBoundSettings(step=STEP, horizon=case.horizon))
     for i in range(case.count):
         times = [0.0, *(np.arange(1, 2 * TICKS // 100) * 0.5 + 0.07 * i)]
@@ -82,7 +82,7 @@ def _force(case: TickCase) -> tuple[Tick, Feed]:
 
 
 def _motion(case: TickCase) -> tuple[Tick, Feed]:
-    """Obstacles that jump about within their safe distance at 10 Hz, along all axes."""
+    """Obstacles that jump randomly within their safe distance at 10 Hz, along all axes."""
     generator = ObstacleBounds(ObstacleSettings(step=STEP, horizon=case.horizon))
     rng = np.random.default_rng(0)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count
 from typing import Any
 
 from builtin_interfaces.msg import Time
@@ -13,6 +14,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from ghc_controller.types import Array
 from ghc_sim_bridge.colors import Rgba
 
+_MOST_IDS = 1 << 31  # [-] of a marker
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -22,7 +24,8 @@ class Marks:
     def __init__(self, frame: str) -> None:
         """`frame`: frame_id of all of them."""
         self._frame = frame
-        self._ids: dict[tuple[str, str], int] = {}  # (namespace, name) -> id, for good
+        self._ids: dict[tuple[str, str], int] = {}  # (namespace, name) -> id, while it is shown
+        self._free = count()
         self._shown: set[tuple[str, str]] = set()
         self._new: dict[tuple[str, str], Marker] = {}
         self._stamp = Time()
@@ -61,7 +64,8 @@ class Marks:
         """What was added since `begin`, and the end of what was shown before."""
         gone = []
         for key in sorted(self._shown - set(self._new)):
-            marker = Marker(ns=key[0], id=self._ids[key], action=Marker.DELETE)
+            # Forgotten: a tracker may give every obstacle that comes a name of its own.
+            marker = Marker(ns=key[0], id=self._ids.pop(key), action=Marker.DELETE)
             marker.header.frame_id, marker.header.stamp = self._frame, self._stamp
             gone.append(marker)
         self._shown = set(self._new)
@@ -77,7 +81,9 @@ class Marks:
         color: Rgba,
     ) -> Any:
         key = (group, name)
-        number = self._ids.setdefault(key, len(self._ids))
+        number = self._ids.get(key)
+        if number is None:
+            number = self._ids[key] = next(self._free) % _MOST_IDS
         marker = Marker(ns=group, id=number, type=kind, action=Marker.ADD, color=_color(color))
         marker.header.frame_id, marker.header.stamp = self._frame, self._stamp
         if at is not None:

@@ -195,7 +195,7 @@ def _positions(data: bytes) -> dict[str, float]:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Publish until a signal; exit code 0, 1 (failed while running) or 2 (refused)."""
+    """Publish until a signal; exit code 0, 1 (failed while running) or 2 (rejected)."""
     return run_node(NODE_NAME, DisplayPublisher, args)
 
 

@@ -1,4 +1,4 @@
-"""Markers of targets, contacts, forces, obstacles and surroundings."""
+"""Markers of targets, contacts, forces, obstacles and environment."""
 
 from __future__ import annotations
 

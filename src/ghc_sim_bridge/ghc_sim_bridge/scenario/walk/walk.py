@@ -1,8 +1,8 @@
-"""A straight walk on level ground: references of its tasks and schedules of its contacts.
+"""A straight walk on level ground: task references and contact schedules.
 
-As in the thesis (2016), section 5.4.4: a second a step of which 0.3 s on both feet; the
-zero-moment point goes from one sole to the other while both stand, and the centre of mass follows
-it by preview (Kajita et al. 2003). Step k of the walk begins with its double support.
+As in section 5.4.4 of the thesis: 1 s per step, of which 0.3 s in double support. The zero-moment
+point moves from one sole to the other in double support, and the center of mass follows it by
+preview control (Kajita et al. 2003). Each step begins with its double support.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from ghc_sim_bridge.scenario.walk.zmp_preview import ZmpPreview
 
 SHORTEST_SWING = 0.05  # [s]
 PREVIEW_STEP = 0.01  # [s]
-PATH_SAMPLES = 2  # preview steps between two points of the reference: quintics in between
-SETTLED = 2.0  # [s] after the last step the centre of mass is at rest
+PATH_SAMPLES = 2  # preview steps between two points of the reference, a quintic
+SETTLED = 2.0  # [s] from the last step until the center of mass is at rest
 
 
 @dataclass(frozen=True, slots=True)
 class Foot:
-    """One foot: the task that swings it, the contact that it stands on, where it starts."""
+    """One foot: its swing task, its contact, and its initial pose."""
 
     task: str = declared("that swings it")
     contact: str = declared("that it stands on")
@@ -39,7 +39,7 @@ class Foot:
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """What a scenario says of a walk along the world's x axis, the ground being at z = 0."""
+    """Section `walk` of a scenario: a walk along the world's x axis on the ground z = 0."""
 
     task: str = declared("of the center of mass")
     center_of_mass: Vector = declared(
@@ -66,7 +66,7 @@ class Walk:
     )
 
     def __post_init__(self) -> None:
-        """Raise InvalidField for a center of mass in the ground and steps without a swing."""
+        """Raise InvalidField for a center of mass below ground or steps without a swing phase."""
         height = self.center_of_mass[2]
         if height <= 0.0:
             raise InvalidField("center_of_mass", f"a height above 0 expected, {height:g} given")
@@ -79,15 +79,15 @@ class Walk:
 
 
 class Step(NamedTuple):
-    """One step: times and places along x."""
+    """One step: times, and positions along x."""
 
-    swing: int  # which of the feet
+    swing: int  # index of the swing foot
     begins: float  # [s] double support
     breaks: float  # [s]
     touches: float  # [s]
     origin: float  # [m] x of the swing foot relative to its start
     goal: float  # [m]
-    stance: float  # [m] of the other foot
+    stance: float  # [m] x of the other foot
 
 
 def walk_steps(walk: Walk) -> Iterator[Step]:
@@ -111,18 +111,18 @@ def walk_steps(walk: Walk) -> Iterator[Step]:
 
 
 def walk_references(walk: Walk) -> tuple[Reference, ...]:
-    """References of the centre of mass and of both feet."""
+    """References of the center of mass and of both feet."""
     feet = (Reference(foot.task, _swings(walk, k)) for k, foot in enumerate(walk.feet))
     return (Reference(walk.task, _center_of_mass(walk)), *feet)
 
 
 def walk_schedules(walk: Walk) -> tuple[ContactSchedule, ...]:
-    """Largest normal force of both contacts: zero from break to touch, little next to these."""
+    """Largest normal force of both contacts: zero during swing, small just before and after."""
     return tuple(_schedule(walk, k) for k in range(2))
 
 
 def walk_events(walk: Walk) -> tuple[Event, ...]:
-    """Every break and touch, named by step and contact."""
+    """Every lift-off and touch-down, named by step and contact."""
     return tuple(
         Event(round(time, 9), f"{k}: {walk.feet[step.swing].contact} {what}")
         for k, step in enumerate(walk_steps(walk), start=1)
@@ -131,9 +131,9 @@ def walk_events(walk: Walk) -> tuple[Event, ...]:
 
 
 def wanted_zmp(walk: Walk) -> Array:
-    """Wanted zero-moment point (T, 2) [m], every PREVIEW_STEP from time 0.
+    """Reference of the zero-moment point (T, 2) [m], every PREVIEW_STEP from time 0.
 
-    Above each stance foot it lies where the centre of mass lay between both at the start.
+    Its offset from each stance foot is the initial offset of the center of mass from both.
     """
     middle = np.mean([foot.pose[:2] for foot in walk.feet], axis=0)
     offset = np.array(walk.center_of_mass[:2]) - middle
@@ -171,7 +171,7 @@ def _center_of_mass(walk: Walk) -> tuple[ReferencePoint, ...]:
 
 
 def _swings(walk: Walk, foot: int) -> tuple[ReferencePoint, ...]:
-    """Minimum jerk: along x over the whole swing, up over its first half, down over the other."""
+    """Minimum jerk: along x over the whole swing, up in its first half, down in its second."""
     x, y, z, *rotation = walk.feet[foot].pose
     still = (0.0,) * 6
 

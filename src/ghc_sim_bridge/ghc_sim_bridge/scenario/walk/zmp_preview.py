@@ -1,13 +1,13 @@
-"""Centre-of-mass motion for a wanted path of the zero-moment point, by preview control.
+"""Center-of-mass motion for a desired zero-moment point (ZMP) path, by preview control.
 
 Kajita et al., Biped walking pattern generation by using preview control of zero-moment point
-(ICRA 2003), as the thesis walks with (5.4.4). One horizontal axis of a cart on a massless table,
-state x = (position, velocity, acceleration) of the centre of mass, input its jerk u:
+(ICRA 2003), as in section 5.4.4 of the thesis. One horizontal axis of a cart on a massless table,
+state x = (position, velocity, acceleration) of the center of mass, input its jerk u:
 
     x+ = A x + B u,    p = C x = c - (z / g) d2c/dt2        (eq. 8 to 12)
 
-The input minimises sum_j Q e_j^2 + R (du_j)^2 with e = p - p_ref by an integral, a state and N
-preview gains that are computed once (eq. 14 to 17).
+The input minimizes sum_j Q e_j^2 + R (du_j)^2 with e = p - p_ref; the integral gain, state
+feedback and N preview gains are computed once (eq. 14 to 17).
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 class CenterOfMassPath(NamedTuple):
-    """Motion of the centre of mass along one axis, at T samples."""
+    """Motion of the center of mass along one axis, at T samples."""
 
     position: Array  # (T,) [m]
     velocity: Array  # (T,) [m/s]
     acceleration: Array  # (T,) [m/s^2]
-    zmp: Array  # (T,) [m] of the cart, to be compared with the wanted one
+    zmp: Array  # (T,) [m] of the cart model
 
 
 class ZmpPreview:
-    """Gains for one height, step and horizon."""
+    """Preview controller for one height, step and horizon."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class ZmpPreview:
         """Compute the gains.
 
         Args:
-            height: of the centre of mass above the ground, z [m].
+            height: of the center of mass above the ground, z [m].
             step: sample time [s].
             horizon: preview [s].
             error_weight: Q [1/m^2] of the zero-moment point's error.
@@ -69,7 +69,7 @@ class ZmpPreview:
 
     def _compute_gains(self, error_weight: float, jerk_weight: float) -> None:
         a, b, c = self._transition, self._input, self._output
-        # The state with the error in front, its input being the change of the jerk.
+        # State augmented by the ZMP error in front; the input is the change of the jerk.
         big_a = np.block([[np.ones((1, 1)), (c @ a)[None]], [np.zeros((3, 1)), a]])
         big_b = np.concatenate([[c @ b], b])[:, None]
         weight = np.zeros((4, 4))
@@ -85,15 +85,15 @@ class ZmpPreview:
         for k in range(1, self.size):
             self._preview_gain[k] = scale * float(big_b[:, 0] @ ahead)
             ahead = closed.T @ ahead
-        # Behind the preview the wanted point is taken to stay: then one that stays is kept.
+        # The reference is constant beyond the preview, so that a constant one is tracked exactly.
         self._preview_gain[-1] -= self._state_gain[0] + self._preview_gain.sum()
 
     def path(self, zmp: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0)) -> CenterOfMassPath:
-        """Follow a wanted zero-moment point.
+        """Track a ZMP reference.
 
         Args:
-            zmp: (T,) [m] at multiples of the step; its last value holds for ever. Changes within
-                the horizon of the first sample come as a surprise.
+            zmp: (T,) [m] at multiples of the step; its last value holds indefinitely. Changes
+                within the horizon of the first sample are not anticipated in time.
             start: position [m], velocity [m/s], acceleration [m/s^2] at the first sample.
 
         Raises:

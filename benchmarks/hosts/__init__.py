@@ -1,0 +1,1 @@
+"""Robot, controller and operator on three hosts, over a bad network: `make hosts`."""

@@ -1,0 +1,1 @@
+"""Plausible mistakes of users, each done for real, and the message that it gets."""

@@ -1,0 +1,1 @@
+"""Studies of target streams: what a robot can follow, and how closely."""

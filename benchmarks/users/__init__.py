@@ -1,0 +1,1 @@
+"""What users do with the project: their robots, and its live viewer."""

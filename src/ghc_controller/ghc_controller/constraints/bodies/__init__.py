@@ -1,0 +1,1 @@
+"""Shapes of a robot's bodies, and smooth distances between them."""

@@ -1,0 +1,60 @@
+"""The torque that leaves: where the rate limit counts from, braking, and the gate."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from ghc_controller.constraints import ConstraintSet
+from ghc_controller.model.robot_model import RobotModel
+from ghc_controller.previews.preview import TORQUE_LIMITS
+from ghc_controller.problem.control_problem import ContactRows
+from ghc_controller.safety.braking import braking_torque
+from ghc_controller.safety.gate import Output, OutputGate
+from ghc_controller.safety.rate_anchor import RateAnchor
+from ghc_controller.types import Array, RobotState
+
+
+class TorqueOutput:
+    """Torques within the limits of robot and previews, each within the rate of the one before."""
+
+    def __init__(
+        self, model: RobotModel, constraints: ConstraintSet, gate: OutputGate, control_dt: float
+    ) -> None:
+        """Nothing sent yet; `control_dt` is the control period [s]."""
+        self.gate = gate
+        self.anchor = RateAnchor(
+            model.torque_limit, gate.torque_step_limit, control_dt, model.floating_base
+        )
+        self._model, self._constraints = model, constraints
+
+    def reset(self) -> None:
+        """Forget the torques that were sent."""
+        self.anchor.reset()
+
+    def before(self, state: RobotState) -> Array:
+        """Torque (a,) [Nm] from which the rate limit counts, after `model.update`."""
+        model = self._model
+        return self.anchor.before(
+            state, partial(braking_torque, model.dynamics, state.v, model.torque_limit)
+        )
+
+    def gated(self, torque: Array, before: Array, state: RobotState) -> Output:
+        """What leaves in answer to a state, noted as the anchor of the next one."""
+        output = self.gate.apply(torque, before, self._model.dynamics, state.v)
+        self.anchor.sent(output.torque, state.time)
+        return output
+
+    def braking(self, state: RobotState, contacts: ContactRows | None) -> Array:
+        """Torque (a,) [Nm] that brakes, within the robot's limits and those of previews."""
+        model = self._model
+        upper = model.torque_limit
+        lower = -upper
+        for limits in self._constraints.limits:
+            if limits.kind == TORQUE_LIMITS and limits.planned:
+                now = limits.at(state.time)
+                lower, upper = np.maximum(lower, now.lower), np.minimum(upper, now.upper)
+        limit = np.maximum(upper, -lower)  # of both sides the wider one, then each by itself
+        torque = braking_torque(model.dynamics, state.v, limit, contact_rows=contacts)
+        return np.minimum(np.maximum(torque, lower), upper)

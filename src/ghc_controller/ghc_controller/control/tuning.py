@@ -1,0 +1,117 @@
+"""Gains, weights, limits and formulation of a running controller, changed without a jump.
+
+Numbers on which the torques depend continuously (`dials`) move to their new value; what is a
+choice, such as the formulation, changes by blending the answers before and after it. Both follow
+a quintic with rest at both ends, over `tuning_duration` seconds from the next step on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ghc_controller.control.change_checks import Change, ChangeChecks, Controller, settings_with
+from ghc_controller.control.dials import WEIGHTS, Dial
+from ghc_controller.control.handover import Handover
+from ghc_controller.errors import InvalidValue
+from ghc_controller.hierarchy.transition import Profile
+from ghc_controller.types import Array
+
+_PROFILE = Profile.MINIMUM_JERK
+
+
+@dataclass(slots=True)
+class _Move:
+    """Something on its way; `to(share)` puts it there."""
+
+    to: Callable[[float], None]
+    duration: float  # [s]
+    begin: float | None = None  # [s]; None = at the next step
+
+
+class Tuning:
+    """Changes of one controller while it runs."""
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+        self._checks = ChangeChecks(controller)
+        self._moves: dict[str, _Move] = {}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What can be changed, by the names of parameters."""
+        return self._checks.names
+
+    @property
+    def is_settled(self) -> bool:
+        """True when nothing is on its way."""
+        return not self._moves
+
+    def check(self, values: Mapping[str, Any]) -> Change:
+        """What these values would change; nothing changes yet.
+
+        Raises:
+            UnknownName, ConfigurationError, InvalidValue: as ChangeChecks.check.
+        """
+        return self._checks.check(values, "formulation" in self._moves)
+
+    def begin(self, change: Change, duration: float | None = None) -> None:
+        """Begin a checked change at the next step; before the first one it holds at once.
+
+        Args:
+            duration: [s] of the blend; None = `tuning_duration`.
+
+        Raises:
+            InvalidValue: a negative duration.
+        """
+        controller = self._controller
+        settings = settings_with(change.given, controller.settings)
+        span = settings.tuning_duration if duration is None else duration
+        if not span >= 0.0:
+            raise InvalidValue(f"duration = {span} s given, a number of at least 0 expected")
+        controller.settings = settings
+        if change.formulation is not None:
+            now = controller.formulation.settings
+            change.formulation.retune(**{name: getattr(now, name) for name in WEIGHTS})
+            handover = Handover(controller.formulation, change.formulation)
+            controller.formulation = handover
+            self._moves["formulation"] = _Move(self._hand_over(handover), span)
+        for name, dial, goal in change.goals:
+            self._moves[name] = _Move(_between(dial, dial.read(), goal), span)
+        if not controller.has_stepped:
+            self.finish()
+
+    def advance(self, time: float) -> None:
+        """Bring everything that is on its way to `time` [s]."""
+        if not self._moves:
+            return
+        for name, move in tuple(self._moves.items()):
+            if move.begin is None:
+                move.begin = time
+            passed = time - move.begin
+            share = 1.0 if passed >= move.duration else _PROFILE.progress(passed / move.duration)
+            move.to(share)
+            if share == 1.0:
+                del self._moves[name]
+
+    def finish(self) -> None:
+        """Put everything that is on its way where it goes."""
+        for move in self._moves.values():
+            move.to(1.0)
+        self._moves.clear()
+
+    def _hand_over(self, handover: Handover) -> Callable[[float], None]:
+        def to(share: float) -> None:
+            handover.share = share
+            if share == 1.0:
+                self._controller.formulation = handover.new
+
+        return to
+
+
+def _between(dial: Dial, begin: Array, end: Array) -> Callable[[float], None]:
+    def to(share: float) -> None:
+        dial.write(end if share == 1.0 else begin + share * (end - begin))
+
+    return to

@@ -1,0 +1,78 @@
+#include "cascade.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace ghc {
+namespace {
+
+constexpr double kUpperForceWeight = 1e-4;  // [-] root of the weight on forces above the last level
+constexpr double kViolation = 1e-6;         // [rad/s^2], [Nm], [N] of an accepted answer
+
+}  // namespace
+
+Cascade::Cascade(std::vector<std::int64_t> rows, std::vector<std::int64_t> ends)
+    : rows_(std::move(rows)), ends_(std::move(ends)), memory_(ends_.size()) {
+  const bool ascend = std::is_sorted(ends_.begin(), ends_.end());
+  if (ends_.empty() || !ascend || ends_.front() < 0 ||
+      ends_.back() != static_cast<std::int64_t>(rows_.size())) {
+    throw std::invalid_argument("ends of the levels expected, ascending up to the last row");
+  }
+}
+
+bool Cascade::fits(Index m) const {
+  return std::all_of(rows_.begin(), rows_.end(),
+                     [m](std::int64_t row) { return 0 <= row && row < m; });
+}
+
+Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, const Vector& y,
+                     const Terms& terms, const Damping& damping, const Effort& effort) {
+  const Index m = static_cast<Index>(rows_.size()), d = jacobian.cols();
+  const Index levels = static_cast<Index>(ends_.size());
+  jacobian_.resize(m, d), target_.resize(m);
+  for (Index r = 0; r < m; ++r) {
+    jacobian_.row(r) = jacobian.row(rows_[r]);
+    target_[r] = target[rows_[r]];
+  }
+  above_.reset(d, m);
+  bounds_.begin(terms);
+  bound_rows_.reset(bounds_.count(), d);
+  y_ = y;
+  violation_ = 0.0, pivots_ = 0, qps_ = 0, answered_ = 0;
+  for (Index l = 0; l < levels; ++l, ++answered_) {
+    if (l && effort.deadline.over()) return l;
+    const Index begin = l ? ends_[l - 1] : 0, size = ends_[l] - begin;
+    const auto rows = jacobian_.middleRows(begin, size);
+    const auto target_of_level = target_.segment(begin, size);
+    const bool by_identity = size == d && above_.used() < d && rows.isIdentity(0.0);
+    if (by_identity) {
+      level_.solve_identity(target_of_level, y_, above_, damping.regularization);
+    } else {
+      level_.solve(rows, target_of_level, y_, above_, damping.regularization);
+    }
+    bounds_.evaluate(level_.optimum(), Vector(), 1.0);
+    if (bounds_.inside()) {
+      y_ = level_.optimum();
+    } else {
+      const Index left = std::min(effort.of_qp, effort.of_order - pivots_);
+      if (!effort.bounded || !bounds_.balanced() || left <= 0) return l;
+      const double weight = l + 1 == levels ? 1.0 : kUpperForceWeight;
+      const bool solved =
+          active_set_.solve(level_, above_, bounds_, bound_rows_, weight, memory_[l], left);
+      pivots_ += active_set_.pivots();
+      if (!solved || !(bounds_.violation_of_given() <= kViolation)) return l;
+      y_ = active_set_.optimum();
+      ++qps_;
+      bounds_.widen();
+    }
+    if (qps_) violation_ = bounds_.violation_of_given();
+    x_ = bounds_.x(), torque_ = bounds_.torque(), force_ = bounds_.force();
+    if (l + 1 == levels) continue;
+    if (by_identity) above_.project_rows(rows, projected_);
+    above_.append(rows, by_identity ? projected_ : level_.rows(), damping.null_space);
+  }
+  return levels;
+}
+
+}  // namespace ghc

@@ -1,0 +1,194 @@
+#include "level.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace ghc {
+namespace {
+
+constexpr double kShortest = 1e-4;  // [-] length of rows below which the damping falls no further
+constexpr double kLargest = 50.0;   // [rad/s^2] asked for along a direction that is being lost
+constexpr Index kFew = 6;           // rows up to which single products are faster than one of matrices
+constexpr Index kSmall = 3;         // rows of most tasks: a call of Eigen costs more than the sums
+constexpr double kMost = 4.0;       // [-] of w that is added for it at most
+
+// L in place of L L^T, of kSmall rows at most: the sums of Eigen::LLT, so the same digits.
+void factor_small(Matrix& matrix) {
+  const Index m = matrix.rows();
+  for (Index k = 0; k < m; ++k) {
+    double squares = 0.0;
+    for (Index c = 0; c < k; ++c) squares += matrix(k, c) * matrix(k, c);
+    const double pivot = matrix(k, k) - squares;
+    if (pivot <= 0.0) return;
+    matrix(k, k) = std::sqrt(pivot);
+    for (Index i = k + 1; i < m; ++i) {
+      double product = 0.0;
+      for (Index c = 0; c < k; ++c) product += matrix(i, c) * matrix(k, c);
+      matrix(i, k) = (matrix(i, k) - product) / matrix(k, k);
+    }
+  }
+}
+
+// x = L^-T L^-1 x, as Eigen's substitutions go.
+void solve_small(const Matrix& lower, double* x) {
+  const Index m = lower.rows();
+  for (Index i = 0; i < m; ++i) {
+    double met = 0.0;
+    for (Index c = 0; c < i; ++c) met += lower(i, c) * x[c];
+    x[i] = (x[i] - met) / lower(i, i);
+  }
+  for (Index i = m - 1; i >= 0; --i) {
+    x[i] /= lower(i, i);
+    for (Index c = 0; c < i; ++c) x[c] -= x[i] * lower(i, c);
+  }
+}
+
+// The lower triangle of rows rows^T.
+template <typename Rows>
+void gram(const Rows& rows, Matrix& out) {
+  const Index m = rows.rows();
+  out.resize(m, m);
+  if (m > kFew) {
+    out.template triangularView<Eigen::Lower>() = rows * rows.transpose();
+    return;
+  }
+  for (Index r = 0; r < m; ++r) {
+    for (Index c = 0; c <= r; ++c) out(r, c) = rows.row(r).dot(rows.row(c));
+  }
+}
+
+}  // namespace
+
+double level_damping(Index m, double jacobian, double rows, double residual, double w) {
+  const double kept = std::min(1.0, rows / std::max(jacobian, 1e-300));
+  const double mean = std::sqrt(jacobian / static_cast<double>(std::max<Index>(m, 1)));
+  const double length = std::min(1.0, std::max(mean, kShortest));
+  const double pull = residual / (4.0 * kLargest * kLargest);
+  return w * (1.0 - kept * (1.0 - length)) + (1.0 - kept) * std::min(pull, kMost * w);
+}
+
+void Level::solve(const Eigen::Ref<const Matrix>& jacobian, const Eigen::Ref<const Vector>& target,
+                  const Eigen::Ref<const Vector>& y, NullSpace& above, double w) {
+  const Index m = jacobian.rows(), d = jacobian.cols();
+  identity_ = prepared_ = false;
+  above.project_rows(jacobian, inner_);
+  residual_ = target;
+  residual_.noalias() -= jacobian * y;
+  damping_ = level_damping(m, jacobian.squaredNorm(), inner_.squaredNorm(),
+                           residual_.squaredNorm(), w);
+  gram(inner_, factor_);
+  factor_.diagonal().array() += damping_;
+  factor();
+  weights_ = residual_;
+  solve_factored();
+  whitened_.noalias() = inner_.transpose() * weights_;
+  optimum_.resize(d);
+  above.project(whitened_.transpose(), optimum_.transpose());
+  optimum_ += y;
+}
+
+// P = I - V^T V, E = I - V V^T: P^2 = I - V^T (I + E) V, and by Woodbury's identity
+// (P^2 + w I)^-1 = (I + V^T X V) / (1 + w) with X = (w I + E^2)^-1 (I + E).
+void Level::solve_identity(const Eigen::Ref<const Vector>& target,
+                           const Eigen::Ref<const Vector>& y, const NullSpace& above, double w) {
+  const Index d = target.size(), r = above.used();
+  const auto V = above.basis();
+  identity_ = true, prepared_ = false;
+  gram(V, overlap_);
+  overlap_ *= -1.0;
+  overlap_.diagonal().array() += 1.0;
+  overlap_.triangularView<Eigen::StrictlyUpper>() = overlap_.transpose();
+  gram(overlap_, factor_);  // E^2
+  residual_ = target - y;
+  damping_ = level_damping(d, static_cast<double>(d),
+                           static_cast<double>(d - r) + factor_.trace(), residual_.squaredNorm(),
+                           w);
+  factor_.diagonal().array() += damping_;
+  factor();
+  whitened_.resize(d), optimum_.resize(d);
+  above.project(residual_.transpose(), whitened_.transpose());
+  weights_.noalias() = V * whitened_;
+  spread_of_.noalias() = overlap_ * weights_;
+  weights_ += spread_of_;  // (I + E) V u
+  solve_factored();
+  whitened_.noalias() += V.transpose() * weights_;
+  whitened_ /= 1.0 + damping_;
+  above.project(whitened_.transpose(), optimum_.transpose());
+  optimum_ += y;
+}
+
+// Of J = I: W = X_h^T V with X = X_h X_h^T, then F = (1 + w)^-1/2 (I + W^T (S + I)^-1 W) with
+// S S^T = I + W W^T.
+void Level::prepare(const NullSpace& above) {
+  if (prepared_) return;
+  prepared_ = true;
+  if (!identity_) {
+    shifted_ = factor_;
+    shifted_.diagonal().array() += std::sqrt(damping_);
+    scale_ = 1.0 / std::sqrt(damping_);
+    return;
+  }
+  const Index d = optimum_.size(), r = above.used();
+  spread_ = overlap_;
+  spread_.diagonal().array() += 1.0;
+  factor_.triangularView<Eigen::Lower>().solveInPlace(spread_);
+  factor_.transpose().triangularView<Eigen::Upper>().solveInPlace(spread_);  // X
+  factor_ = spread_;
+  factor();  // X_h
+  inner_.resize(r, d);
+  // Without rows above there is nothing to multiply; Eigen divides by the inner size of a
+  // triangular product, also by 0, where the other one is 48 or more.
+  if (r) inner_.noalias() = factor_.transpose().triangularView<Eigen::Upper>() * above.basis();
+  gram(inner_, factor_);
+  factor_.diagonal().array() += 1.0;
+  factor();
+  shifted_ = factor_;
+  shifted_.diagonal().array() += 1.0;
+  scale_ = 1.0 / std::sqrt(1.0 + damping_);
+}
+
+// What Eigen::LLT does in place, without the norm that it takes to estimate the condition.
+void Level::factor() {
+  if (factor_.rows() <= kSmall) {
+    factor_small(factor_);
+  } else {
+    Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(factor_);
+  }
+}
+
+void Level::solve_factored() {
+  if (factor_.rows() <= kSmall) {
+    solve_small(factor_, weights_.data());
+    return;
+  }
+  factor_.triangularView<Eigen::Lower>().solveInPlace(weights_);
+  factor_.transpose().triangularView<Eigen::Upper>().solveInPlace(weights_);
+}
+
+void Level::weights_times_k() {
+  if (!identity_) {
+    factor_.triangularView<Eigen::Lower>().solveInPlace(weights_);
+    weights_ *= -1.0;
+  }
+  shifted_.transpose().triangularView<Eigen::Upper>().solveInPlace(weights_);
+}
+
+void Level::k_times_weights() {
+  shifted_.triangularView<Eigen::Lower>().solveInPlace(weights_);
+  if (identity_) return;
+  factor_.transpose().triangularView<Eigen::Upper>().solveInPlace(weights_);
+  weights_ *= -1.0;
+}
+
+void Level::step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vector& out) {
+  weights_.noalias() = inner_ * s;
+  k_times_weights();
+  whitened_ = s;
+  whitened_.noalias() += inner_.transpose() * weights_;
+  whitened_ *= scale_;
+  out.resize(s.size());
+  above.project(whitened_.transpose(), out.transpose());
+}
+
+}  // namespace ghc

@@ -1,0 +1,160 @@
+// NumPy arrays by the buffer protocol, for the time of one call.
+//
+// That takes 0.1 us an array; nb::ndarray goes through DLPack, which takes three times as long.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <cstdint>
+#include <stdexcept>
+
+#include "matrix.hpp"
+
+namespace ghc::python {
+
+namespace nb = nanobind;
+
+template <typename T>
+struct Kind;
+template <>
+struct Kind<double> {
+  static constexpr const char* name = "float64";
+  static bool matches(char format) { return format == 'd'; }
+};
+template <>
+struct Kind<std::int64_t> {
+  static constexpr const char* name = "int64";
+  static bool matches(char format) { return format == 'l' || format == 'q'; }
+};
+template <>
+struct Kind<bool> {
+  static constexpr const char* name = "bool";
+  static bool matches(char format) { return format == '?'; }
+};
+
+inline void fits(bool holds, const char* expected) {
+  if (!holds) throw std::invalid_argument(expected);
+}
+
+// A C-contiguous array of so many axes; another layout, alignment or type is copied, of an input.
+template <typename T>
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  ~Buffer() {
+    if (held_) PyBuffer_Release(&buffer_);
+  }
+
+  void take(nb::handle given, int axes) {
+    if (!fetch(given.ptr(), PyBUF_C_CONTIGUOUS | PyBUF_FORMAT)) {
+      // Not `ascontiguousarray`, which leaves what is contiguous but not aligned, as part of a
+      // received message may be.
+      const nb::object make = nb::module_::import_("numpy").attr("array");
+      copy_ = make(given, Kind<T>::name, nb::arg("order") = "C");
+      if (!fetch(copy_.ptr(), PyBUF_C_CONTIGUOUS | PyBUF_FORMAT)) {
+        throw std::invalid_argument("an array of numbers expected");
+      }
+    }
+    fits(buffer_.ndim == axes, "an array of another number of axes expected");
+  }
+
+  void take_writable(nb::handle given, int axes) {
+    if (!fetch(given.ptr(), PyBUF_C_CONTIGUOUS | PyBUF_FORMAT | PyBUF_WRITABLE)) {
+      throw std::invalid_argument("a writable C-contiguous array of the right type expected");
+    }
+    fits(buffer_.ndim == axes, "an array of another number of axes expected");
+  }
+
+  T* data() const { return static_cast<T*>(buffer_.buf); }
+  Index shape(int axis) const { return static_cast<Index>(buffer_.shape[axis]); }
+  Index size() const { return static_cast<Index>(buffer_.len / buffer_.itemsize); }
+
+ private:
+  bool fetch(PyObject* given, int flags) {
+    if (PyObject_GetBuffer(given, &buffer_, flags) != 0) {
+      PyErr_Clear();
+      return false;
+    }
+    held_ = true;
+    const char* format = buffer_.format;
+    if (format && Kind<T>::matches(format[0]) && format[1] == '\0') return true;
+    PyBuffer_Release(&buffer_);
+    held_ = false;
+    return false;
+  }
+
+  Py_buffer buffer_{};
+  bool held_ = false;
+  nb::object copy_;
+};
+
+// Memory of an array of `size` doubles one behind the other, which lives as long as the array;
+// nullptr for any other object.
+inline const double* memory_of(nb::handle array, Index size) {
+  Py_buffer buffer;
+  if (PyObject_GetBuffer(array.ptr(), &buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
+    PyErr_Clear();
+    return nullptr;
+  }
+  const char* format = buffer.format;
+  const bool fits = format && Kind<double>::matches(format[0]) && format[1] == '\0' &&
+                    buffer.ndim == 1 && buffer.shape[0] == size;
+  const auto* data = static_cast<const double*>(buffer.buf);
+  PyBuffer_Release(&buffer);
+  return fits ? data : nullptr;
+}
+
+// (r, c) or (r,) of numbers that are read; None is an array without entries.
+struct In : Buffer<double> {
+  In(nb::handle given, int axes) : axes_(axes) {
+    if (!given.is_none()) take(given, axes);
+    given_ = !given.is_none();
+  }
+  bool given() const { return given_; }
+  Index rows() const { return given_ ? shape(0) : 0; }
+  Index cols() const { return !given_ ? 0 : axes_ == 1 ? 1 : shape(1); }
+  Index entries() const { return given_ ? size() : 0; }
+  ConstMatrix matrix() const { return {given_ ? data() : nullptr, rows(), cols()}; }
+  ConstVector vector() const { return {given_ ? data() : nullptr, entries()}; }
+
+ private:
+  int axes_;
+  bool given_ = false;
+};
+
+// A new array; `take` hands it over.
+class NewArray {
+ public:
+  explicit NewArray(Index size) : NewArray(nb::int_(size)) {}
+  NewArray(Index rows, Index cols) : NewArray(nb::make_tuple(rows, cols)) {}
+  NewArray(Index blocks, Index rows, Index cols) : NewArray(nb::make_tuple(blocks, rows, cols)) {}
+
+  double* data() const { return static_cast<double*>(buffer_.data()); }
+  Eigen::Map<Vector> vector() const { return {data(), buffer_.size()}; }
+  Eigen::Map<Matrix> matrix() const { return {data(), buffer_.shape(0), buffer_.shape(1)}; }
+  const nb::object& object() const { return array_; }
+
+ private:
+  explicit NewArray(nb::object shape) {
+    static PyObject* const empty =
+        nb::module_::import_("numpy").attr("empty").inc_ref().ptr();  // for good
+    PyObject* argument = shape.ptr();
+    array_ = nb::steal(PyObject_Vectorcall(empty, &argument, 1, nullptr));
+    if (!array_.is_valid()) throw nb::python_error();
+    buffer_.take_writable(array_, nb::isinstance<nb::tuple>(shape)
+                                      ? static_cast<int>(nb::len(shape)) : 1);
+  }
+
+  nb::object array_;
+  Buffer<double> buffer_;
+};
+
+inline nb::object new_array_of(const Eigen::Ref<const Vector>& values) {
+  const NewArray made(values.size());
+  made.vector() = values;
+  return made.object();
+}
+
+}  // namespace ghc::python

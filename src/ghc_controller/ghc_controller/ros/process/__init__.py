@@ -1,0 +1,1 @@
+"""What the process of a node asks of the operating system."""

@@ -1,0 +1,1 @@
+"""The node by which priorities follow a distance (docs/interfaces.md)."""

@@ -1,0 +1,1 @@
+"""A page in the browser with sliders for targets, hierarchy and gains, on this machine only."""

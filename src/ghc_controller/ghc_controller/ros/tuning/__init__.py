@@ -1,0 +1,1 @@
+"""Parameters of the controller node that change while it runs."""
