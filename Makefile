@@ -82,9 +82,9 @@ soak: setup ## memory of the generator nodes over ten simulated minutes
 docs: setup ## the documents as a static site in build/site, its notebooks executed
 	@$(WORKSPACE) && exec .venv/bin/python -m tools.docs
 
-test: setup ## all tests, JOBS=1 for one after the other; ARGS goes to pytest
+test: setup ## all tests, those that fail once more alone; JOBS=1 for one after the other; ARGS goes to pytest
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all
-	@$(WORKSPACE) && exec .venv/bin/python -m pytest -n $(JOBS) --dist loadfile $(ARGS)
+	@$(WORKSPACE) && exec .venv/bin/python -m tools.run_tests -n $(JOBS) --dist loadfile $(ARGS)
 
 test-long: setup ## what takes too long for every change: whole studies against what is asked
 	@$(WORKSPACE) && .venv/bin/python -m tools.model_packages --all

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.faults.campaign import ROWS, run_rows, updated
+from benchmarks.faults.campaign import ROWS, run_rows, slow_rows, updated
 from benchmarks.faults.judge import ENOUGH, TORQUE_LIMIT, Run, broken, figures, usually_missed
 from benchmarks.faults.page import write_page
 from benchmarks.faults.row import Limits
@@ -129,6 +129,24 @@ def test_a_resumed_campaign_runs_nothing_again(tmp_path: Path) -> None:
     part.write_text(json.dumps(done), encoding="utf-8")
     assert run_rows(ROWS[:5], 2, tmp_path / "logs", part) == done
     assert not (tmp_path / "logs").exists()
+
+
+def test_only_rows_that_were_slow_are_run_once_more() -> None:
+    """A stalled machine breaks limits of time, and waits that end; no other limit."""
+
+    def row(*runs: tuple[str, list[str]]) -> dict[str, Any]:
+        entries = [{"problem": problem, "broken": broken} for problem, broken in runs]
+        return {"holds": not any(run["broken"] for run in entries), "runs": entries}
+
+    late, waited, fast = "recovered after 3 s, 2 s allowed", "no status", "rate_nm_per_s 2e3"
+    judged = {
+        ROWS[0].name: row(("", [])),
+        ROWS[1].name: row(("", [late])),
+        ROWS[2].name: row((waited, [waited, late])),
+        ROWS[3].name: row(("", [late, fast])),
+        ROWS[4].name: row(("", [late]), ("", ["bridge is dead"])),
+    }
+    assert slow_rows(ROWS[:5], judged) == [ROWS[1], ROWS[2]]
 
 
 def test_rows_have_names_of_their_own_and_a_part_is_quick() -> None:
