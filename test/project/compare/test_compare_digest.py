@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,20 @@ from benchmarks.compare.jobs import Job, all_jobs, job_digest
 
 FORMULATIONS = "ghc_controller.formulations"
 CASE = "benchmarks.compare.runs.scenario_loop"
+
+
+def forget() -> None:
+    """Files and imports are found once per process; a test that moves them finds them anew."""
+    for found in (module._file_of, module._imports, module._common_files):
+        found.cache_clear()
+
+
+@pytest.fixture(autouse=True)
+def _real_sources(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What a test found in folders of its own is no source of the tests behind it."""
+    yield
+    monkeypatch.undo()
+    forget()
 
 
 def files(*modules: str) -> set[str]:
@@ -40,11 +55,8 @@ def test_a_change_of_code_changes_the_digest_and_one_of_words_does_not(
     words = '"""Some."""\n\n# why\nx = 1  # [m]\n'
     for text in ("x = 1\n", "x = 2\n", "x = '#1'\n", "x = '#2'\n", words):
         (tmp_path / "two.py").write_text(text, encoding="utf-8")
-        module._file_of.cache_clear()
-        module._imports.cache_clear()
+        forget()
         found.append(digest(["benchmarks.one"]))
-    module._file_of.cache_clear()
-    module._imports.cache_clear()
     assert len(set(found)) == 4
     assert found[0] == found[-1]
 
@@ -62,9 +74,8 @@ def test_the_compiled_core_counts_for_studies_and_comparison_but_its_comments_do
     for text in ("int a = 1;\n", "int a = 2;\n", 'const char* a = "// 1";\n', words):
         for name in ("level.cpp", "level.hpp"):
             (core / name).write_text(text, encoding="utf-8")
-            module._common_files.cache_clear()
+            forget()
             found.append((sources(), digest([])))
-    module._common_files.cache_clear()
     assert len(set(found)) == 6
     assert len({one for one, _ in found}) == len({other for _, other in found}) == 6
     assert found[5:6] == found[7:]
