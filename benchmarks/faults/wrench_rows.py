@@ -10,7 +10,7 @@ from geometry_msgs.msg import WrenchStamped
 
 from benchmarks.faults.companions import send, send_raw, stamp_ahead
 from benchmarks.faults.message_rows import COUNT, FOREVER
-from benchmarks.faults.row import Bench, Row, nothing
+from benchmarks.faults.row import Bench, Inject, Row, nothing
 from benchmarks.faults.session import Session
 
 _NAN = float("nan")
@@ -43,7 +43,7 @@ def raw(session: Session, _: np.random.Generator) -> None:
     send_raw(session, session.wrenches)
 
 
-_FORGED = {
+_FORGED: dict[str, Inject] = {
     "contacts/tool NaN": partial(wrenches, COUNT, _NAN),
     "contacts/tool 1e300 N": partial(wrenches, COUNT, 1e300),
     "contacts/tool 1e5 N": partial(wrenches, COUNT, 1e5),

@@ -38,7 +38,7 @@ class Desk:
         controller.observe(Simulator("kuka_lwr").state())
         self._callbacks: dict[type, Callable[[bytes], None]] = {}
         self.replies: list[Any] = []
-        self._desk = RequestSubscriber(self, controller, modes, True, self, self._reject)  # type: ignore[arg-type]
+        self._desk = RequestSubscriber(self, controller, modes, True, self, self._reject)
         self._desk.at(0.0)
 
     def send(self, message: Any) -> str:
