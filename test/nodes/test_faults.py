@@ -308,7 +308,7 @@ def test_a_fault_is_latched_until_it_is_reset(session: Session) -> None:
     ("sides", "own_clocks", "apart"),
     [
         pytest.param(("left", "right"), False, 0.0, id="shared"),
-        pytest.param(("right", "left"), False, 0.7, id="shared-apart", marks=pytest.mark.long),
+        pytest.param(("right", "left"), False, 0.7, id="shared-apart"),
         pytest.param(("right", "left"), True, 0.7, id="own"),
     ],
 )
