@@ -8,10 +8,11 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from tools.workspace import checks
-from tools.workspace.build_steps import Messages, PythonPackages
+from tools.workspace.build_steps import Core, Messages, PythonPackages
 from tools.workspace.environment_steps import Packages, VirtualEnvironment
 from tools.workspace.errors import SetupError
 from tools.workspace.layout import Layout, Way
@@ -19,32 +20,36 @@ from tools.workspace.machine import Machine
 from tools.workspace.run import Runner
 from tools.workspace.step import Context, Step
 
-STEPS: tuple[type[Step], ...] = (
-    VirtualEnvironment,
-    Packages,
-    Messages,
-    PythonPackages,
+# Steps of one group run side by side.
+Group = tuple[type[Step], ...]
+STEPS: tuple[Group, ...] = (
+    (VirtualEnvironment,),
+    (Packages,),
+    (Messages, Core),
+    (PythonPackages,),
 )
 
 INTERRUPTED = 130  # exit code that shells give to a command ended by SIGINT
 
 
-def set_up(context: Context, kinds: Sequence[type[Step]] = STEPS) -> int:
+def set_up(context: Context, groups: Sequence[Group] = STEPS) -> int:
     """Run the steps whose inputs changed; return how many ran."""
     layout = context.layout
     checks.check_sources([layout.uv_lock, layout.wheel_includes])
-    steps = [kind(context) for kind in kinds]
     if not layout.install.exists():
         checks.check_compiler(context.machine)  # told now, and not after a gigabyte of packages
     count = 0
-    for number, step in enumerate(steps, start=1):
-        if step.is_done():
+    for number, kinds in enumerate(groups, start=1):
+        steps = [step for step in (kind(context) for kind in kinds) if not step.is_done()]
+        if not steps:
             continue
-        _say(f"[{number}/{len(steps)}] {step.title}")
+        _say(f"[{number}/{len(groups)}] {', '.join(step.title for step in steps)}")
         started = time.monotonic()
-        step.run()
-        _say(f"[{number}/{len(steps)}] done in {time.monotonic() - started:.0f} s")
-        count += 1
+        with ThreadPoolExecutor(len(steps)) as side_by_side:
+            for done in [side_by_side.submit(step.run) for step in steps]:
+                done.result()
+        _say(f"[{number}/{len(groups)}] done in {time.monotonic() - started:.0f} s")
+        count += len(steps)
     return count
 
 
