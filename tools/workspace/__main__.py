@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import fcntl
 import os
+import resource
 import sys
 import time
 from collections.abc import Sequence
@@ -44,11 +45,12 @@ def set_up(context: Context, groups: Sequence[Group] = STEPS) -> int:
         if not steps:
             continue
         _say(f"[{number}/{len(groups)}] {', '.join(step.title for step in steps)}")
-        started = time.monotonic()
+        started, cpu = time.monotonic(), _of_children()
         with ThreadPoolExecutor(len(steps)) as side_by_side:
             for done in [side_by_side.submit(step.run) for step in steps]:
                 done.result()
-        _say(f"[{number}/{len(groups)}] done in {time.monotonic() - started:.0f} s")
+        took, cpu = time.monotonic() - started, _of_children() - cpu
+        _say(f"[{number}/{len(groups)}] done in {took:.0f} s ({cpu:.0f} s of processors)")
         count += len(steps)
     return count
 
@@ -85,6 +87,12 @@ def main() -> int:
     source = "wheels in .venv" if context.way is Way.WHEELS else "the sourced installation"
     _say(f"set-up: {'ready' if ran else 'up to date'} (ROS 2 Jazzy from {source})")
     return 0
+
+
+def _of_children() -> float:
+    """Processor time of the commands that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 class _Alone:
