@@ -69,6 +69,9 @@ def _arrays(problem: ghc.ControlProblem) -> dict[str, Array]:
 
 
 def _problem(arrays: Mapping[str, Array]) -> ghc.ControlProblem:
+    def bounds_of(name: str) -> Bounds:
+        return Bounds(arrays[f"{name}/lower"], arrays[f"{name}/upper"])
+
     unactuated, hard, bounds = (int(size) for size in arrays["sizes"])
     rows, contacts = None, None
     if "rows/lower" in arrays:
@@ -87,8 +90,12 @@ def _problem(arrays: Mapping[str, Array]) -> ghc.ControlProblem:
         arrays["target"],
         arrays["starts"].astype(np.int64),
         Priorities.mixed([Candidate(np.ascontiguousarray(a), share) for a, share in mixture]),
-        *(arrays[name] for name in _ARRAYS[3:]),
-        *(Bounds(arrays[f"{name}/lower"], arrays[f"{name}/upper"]) for name in _BOUNDS),
+        arrays["mass_matrix"],
+        arrays["bias"],
+        arrays["velocity"],
+        bounds_of("acceleration"),
+        bounds_of("torque"),
+        bounds_of("torque_limit"),
         rows=rows,
         contacts=contacts,
         unactuated=unactuated,
