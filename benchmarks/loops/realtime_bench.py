@@ -12,7 +12,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -150,15 +150,20 @@ def _lost(folder: Path, duration: float, priority: int) -> float:
 def _run(
     folder: Path,
     duration: float,
-    both: Mapping[str, Any],
-    bridge: Mapping[str, Any],
+    both: dict[str, Any],
+    bridge: dict[str, Any],
     in_turns: bool = False,
 ) -> FullRateLog:
     path = folder / "log.npz"
     path.unlink(missing_ok=True)
     stop = duration + (_SETTLING + 1) * PERIOD
-    of_bridge = {"scene": _ROBOT, "control_dt": PERIOD, "stop_time": stop, "log_file": path}
-    of_controller = {"robot": _ROBOT, "control_dt": PERIOD, "arming": "automatic"}
+    of_bridge: dict[str, Any] = {
+        "scene": _ROBOT,
+        "control_dt": PERIOD,
+        "stop_time": stop,
+        "log_file": path,
+    }
+    of_controller: dict[str, Any] = {"robot": _ROBOT, "control_dt": PERIOD, "arming": "automatic"}
     nodes = {"controller": of_controller | both, "sim_bridge": of_bridge | both | bridge}
     deadline = time.monotonic() + stop + _PATIENCE
     with _domain(folder) as (number, environment):

@@ -81,9 +81,9 @@ def _problem(arrays: Mapping[str, Array]) -> ghc.ControlProblem:
             matrix, lower, upper, names, arrays.get("rows/force_matrix"), hard=hard
         )
     if "contacts/jacobian" in arrays:
-        parts = [arrays[f"contacts/{name}"] for name in _CONTACTS]
+        parts = {name: arrays[f"contacts/{name}"] for name in _CONTACTS}
         names = tuple(map(str, range(len(arrays["contacts/force_lower"]))))
-        contacts = ContactRows(*parts, names, bounds)
+        contacts = ContactRows(**parts, names=names, bounds=bounds)  # type: ignore[arg-type]
     mixture = zip(arrays["alpha"], arrays["share"].tolist(), strict=True)
     return ghc.ControlProblem(
         arrays["jacobian"],
