@@ -23,13 +23,13 @@ class Scheduling:
     realtime_priority: int = parameter(
         0,
         "[-] priority under SCHED_FIFO, needs the permission (`ulimit -r`); 0 = normal",
-        Range(minimum=0, maximum=99),
+        Range(minimum=0.0, maximum=99.0),
     )
     lock_memory: bool = parameter(
         False, "keep all memory of the process in RAM, needs the permission (`ulimit -l`)"
     )
     cpu: int = parameter(
-        -1, "number of the processor to run on; -1 = those it was started on", Range(minimum=-1)
+        -1, "number of the processor to run on; -1 = those it was started on", Range(minimum=-1.0)
     )
 
     def apply(self) -> None:
