@@ -124,7 +124,7 @@ class Core(Step):
                 str(self.layout.core_build),
             ],
             self.context.environment(),
-            f"the core of the controller could not be built; the whole log: log/{log.name}",
+            "the core of the controller could not be built; the whole log: log/core.log",
             log,
         )
 
