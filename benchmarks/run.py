@@ -22,6 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in _THREADS:  # before NumPy is imported
         os.environ.setdefault(name, "1")
     import ghc_controller as ghc
+    from benchmarks.loops.realtime_bench import run_realtime
     from benchmarks.peers.session import run_peers
     from benchmarks.steps.session import run_session
     from ghc_controller.ros.stop_signals import interrupt_on_stop_signals
@@ -31,6 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.only == "peers":
             run_peers(ROOT, options.output, quick=options.quick, write_docs=options.write_docs)
+        elif options.only == "realtime":
+            run_realtime(options.output, quick=options.quick)
         else:
             run_session(options, ROOT)
     except (ghc.GhcError, SetupError) as error:
@@ -47,8 +50,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--quick", action="store_true", help="a short run, to see that it works")
     parser.add_argument(
         "--only",
-        choices=("step", "standing", "mpc", "loop", "peers"),
-        help="one of the benchmarks; peers (tsid and placo, installed by it) is part of no other",
+        choices=("step", "standing", "mpc", "loop", "peers", "realtime"),
+        help="one of the benchmarks; peers (tsid and placo, installed by it) and realtime (beside "
+        "a bare loop) are part of no other",
     )
     parser.add_argument("--robot", choices=("kuka_lwr", "icub"), help="steps of one robot only")
     parser.add_argument("--output", type=Path, default=Path("results/bench"), metavar="DIR")

@@ -12,29 +12,37 @@ from setuptools import Extension
 from setuptools.command.build_ext import build_ext
 
 CORE = Extension("ghc_controller.core.native", sources=[])
+SOURCE = Path(__file__).resolve().parent / "ghc_controller" / "core"
 
 
 class BuildCore(build_ext):
     """Runs CMake on `ghc_controller/core/CMakeLists.txt` and puts its library where it belongs."""
 
     def build_extension(self, extension: Extension) -> None:
-        """Build it; GHC_CMAKE_ARGS in the environment holds further options of CMake."""
-        python, prefix = _python_with_nanobind()
+        """Build it; where GHC_CORE_BUILD names the CMake folder of a build, only link it."""
         target = Path(self.get_ext_fullpath(extension.name)).resolve()
-        source = Path(__file__).resolve().parent / "ghc_controller" / "core"
-        build = Path(self.build_temp).resolve() / "core"
-        build.mkdir(parents=True, exist_ok=True)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        options = [
-            f"-DPython_EXECUTABLE={python}",
-            "-DCMAKE_BUILD_TYPE=Release",
-            f"-DGHC_CORE_FOLDER={target.parent}",
-            *_generator(),
-            *([f"-DEigen3_ROOT={prefix}"] if prefix else []),
-            *os.environ.get("GHC_CMAKE_ARGS", "").split(),
-        ]
-        subprocess.run(["cmake", "-S", str(source), "-B", str(build), *options], check=True)
-        subprocess.run(["cmake", "--build", str(build), "--parallel", "2"], check=True)
+        build = os.environ.get("GHC_CORE_BUILD") or Path(self.build_temp) / "core"
+        build_core(Path(build).resolve(), target.parent)
+
+
+def build_core(build: Path, target: Path) -> None:
+    """Build in the folder `build`, and put the extension into the folder `target`.
+
+    GHC_CMAKE_ARGS in the environment holds further options of CMake.
+    """
+    python, prefix = _python_with_nanobind()
+    build.mkdir(parents=True, exist_ok=True)
+    target.mkdir(parents=True, exist_ok=True)
+    options = [
+        f"-DPython_EXECUTABLE={python}",
+        "-DCMAKE_BUILD_TYPE=Release",
+        f"-DGHC_CORE_FOLDER={target}",
+        *_generator(),
+        *([f"-DEigen3_ROOT={prefix}"] if prefix else []),
+        *os.environ.get("GHC_CMAKE_ARGS", "").split(),
+    ]
+    subprocess.run(["cmake", "-S", str(SOURCE), "-B", str(build), *options], check=True)
+    subprocess.run(["cmake", "--build", str(build), "--parallel", "2"], check=True)
 
 
 def _generator() -> list[str]:
@@ -69,3 +77,7 @@ def _python_with_nanobind() -> tuple[str, str]:
         "the core of ghc_controller needs nanobind: activate the environment of `make setup`, or "
         "install requirements/build.in"
     )
+
+
+if __name__ == "__main__":  # build_core.py FOLDER: built there, put beside the sources
+    build_core(Path(sys.argv[1]).resolve(), SOURCE)

@@ -54,7 +54,11 @@ class FakeRunner(Runner):
         self.failing = ""  # a command that holds this word is interrupted
 
     def __call__(
-        self, command: Sequence[str], environment: Mapping[str, str], complaint: str
+        self,
+        command: Sequence[str],
+        environment: Mapping[str, str],
+        complaint: str,
+        log: Path | None = None,
     ) -> None:
         text = " ".join(command)
         self.commands.append(text)
@@ -82,14 +86,15 @@ class FakeRunner(Runner):
         return ""
 
     def kinds(self) -> list[str]:
-        """What ran since the last question, in short."""
+        """What ran since the last question, in short and in the order of the steps."""
         words = {
             " -m venv": "venv",
             "pip install --require-hashes": "packages",
             "ghc_msgs": "messages",
+            "build_core.py": "core",
             "pure": "python",
         }
-        result = [kind for text in self.commands for word, kind in words.items() if word in text]
+        result = [kind for word, kind in words.items() for text in self.commands if word in text]
         self.commands.clear()
         return result
 

@@ -216,6 +216,14 @@ def test_the_schedule_of_the_loop_outlasts_it_and_keeps_its_contact() -> None:
     assert schedule.upper.min() > 0.0
 
 
+@pytest.mark.long
+def test_the_loops_in_real_time_and_lockstep_are_counted_beside_bare_ones(tmp_path: Path) -> None:
+    assert main(["--quick", "--only", "realtime", "--output", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / "realtime.json").read_text(encoding="utf-8"))
+    assert found["lockstep_ratio"] > 1.0
+    assert all(0.0 <= found[name] <= 100.0 for name in ("lost_percent", "bare_lost_percent"))
+
+
 def test_wrong_options_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["--only", "everything"])

@@ -6,6 +6,8 @@ import os
 import resource
 import subprocess
 import sys
+import threading
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,7 +32,7 @@ def _ran(context: Context) -> list[str]:
 
 
 def test_a_second_set_up_runs_nothing(context: Context) -> None:
-    assert _ran(context) == ["venv", "packages", "messages", "python"]
+    assert _ran(context) == ["venv", "packages", "messages", "core", "python"]
     assert _ran(context) == []
 
 
@@ -50,9 +52,10 @@ def test_only_what_changed_is_made_again(context: Context) -> None:
 @pytest.mark.parametrize(
     ("word", "rest"),
     [
-        (" -m venv", ["venv", "packages", "messages", "python"]),
-        ("uv pip install", ["packages", "messages", "python"]),
+        (" -m venv", ["venv", "packages", "messages", "core", "python"]),
+        ("uv pip install", ["packages", "messages", "core", "python"]),
         ("ghc_msgs", ["messages", "python"]),
+        ("build_core.py", ["core", "python"]),
         ("pure", ["python"]),
     ],
 )
@@ -84,7 +87,7 @@ def test_what_was_removed_is_made_again(context: Context, gone: str) -> None:
     _ran(context)
     folder = context.layout.root / gone
     folder.rename(folder.with_name("elsewhere"))
-    assert _ran(context) == ["messages", "python"]
+    assert _ran(context) == ["messages", *(["core"] if gone == "build" else []), "python"]
 
 
 def test_messages_that_went_leave_nothing_behind(context: Context) -> None:
@@ -101,7 +104,7 @@ def test_a_fitting_environment_is_taken_over(context: Context) -> None:
     assert isinstance(context.run, FakeRunner)
     context.run(["python", "-m venv"], {}, "")
     context.run.kinds()
-    assert _ran(context) == ["packages", "messages", "python"]
+    assert _ran(context) == ["packages", "messages", "core", "python"]
     touch(context.layout.venv / "pyvenv.cfg", "version_info = 3.10.1\n")
     assert "venv" in _ran(context)
 
@@ -124,6 +127,48 @@ def test_a_sourced_installation_brings_its_ros(context: Context) -> None:
     assert "/usr/bin/python3 -m venv --system-site-packages" in text
     assert "lock-noros-py3.12.txt" in text
     assert "wheel_includes" not in text
+    assert "WITH_CPP" not in text  # its programs in C++ read the messages
+
+
+def test_messages_and_core_are_built_side_by_side(context: Context) -> None:
+    """Each is begun before the other one has ended."""
+
+    class Meeting(FakeRunner):
+        def __call__(
+            self,
+            command: Sequence[str],
+            environment: Mapping[str, str],
+            complaint: str,
+            log: Path | None = None,
+        ) -> None:
+            if any(word in " ".join(command) for word in ("ghc_msgs", "build_core.py")):
+                both_began.wait(timeout=60.0)
+            super().__call__(command, environment, complaint, log)
+
+    both_began = threading.Barrier(2)
+    runner = Meeting(context.layout)
+    program.set_up(replace(context, run=runner))
+    assert runner.kinds() == ["venv", "packages", "messages", "core", "python"]
+
+
+def test_the_core_is_built_anew_for_another_python_only(context: Context) -> None:
+    """CMake refuses the cache of another place; an edit compiles what depends on it."""
+    layout = context.layout
+    _ran(context)
+    cache = layout.core_build / "CMakeCache.txt"
+    touch(cache)
+    touch(layout.source / "pure" / "pyproject.toml", "# edited\n")
+    assert _ran(context) == ["core"]
+    assert cache.exists()
+    touch(layout.venv / "pyvenv.cfg", "version = 3.12.9\n")
+    assert "core" in _ran(context)
+    assert not cache.exists()
+
+
+def test_output_of_a_command_goes_to_its_log(tmp_path: Path) -> None:
+    log = tmp_path / "log" / "one.log"
+    Runner(tmp_path)(["sh", "-c", "echo out; echo err >&2"], {}, "", log)
+    assert sorted(log.read_text(encoding="utf-8").split()) == ["err", "out"]
 
 
 def test_a_key_depends_on_every_input(tmp_path: Path) -> None:
@@ -150,7 +195,8 @@ def test_this_workspace_is_up_to_date_in_a_moment() -> None:
     context = Context(
         Layout(ROOT), checks.choose_way(Machine()), Machine(), Runner(ROOT), os.environ
     )
-    assert [kind.title for kind in program.STEPS if not kind(context).is_done()] == []
+    kinds = [kind for group in program.STEPS for kind in group]
+    assert [kind.title for kind in kinds if not kind(context).is_done()] == []
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     run = subprocess.run(
         [sys.executable, "-m", "tools.workspace"],

@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 import fcntl
 import os
+import resource
 import sys
 import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from tools.workspace import checks
-from tools.workspace.build_steps import Messages, PythonPackages
+from tools.workspace.build_steps import Core, Messages, PythonPackages
 from tools.workspace.environment_steps import Packages, VirtualEnvironment
 from tools.workspace.errors import SetupError
 from tools.workspace.layout import Layout, Way
@@ -19,32 +21,37 @@ from tools.workspace.machine import Machine
 from tools.workspace.run import Runner
 from tools.workspace.step import Context, Step
 
-STEPS: tuple[type[Step], ...] = (
-    VirtualEnvironment,
-    Packages,
-    Messages,
-    PythonPackages,
+# Steps of one group run side by side.
+Group = tuple[type[Step], ...]
+STEPS: tuple[Group, ...] = (
+    (VirtualEnvironment,),
+    (Packages,),
+    (Messages, Core),
+    (PythonPackages,),
 )
 
 INTERRUPTED = 130  # exit code that shells give to a command ended by SIGINT
 
 
-def set_up(context: Context, kinds: Sequence[type[Step]] = STEPS) -> int:
+def set_up(context: Context, groups: Sequence[Group] = STEPS) -> int:
     """Run the steps whose inputs changed; return how many ran."""
     layout = context.layout
     checks.check_sources([layout.uv_lock, layout.wheel_includes])
-    steps = [kind(context) for kind in kinds]
     if not layout.install.exists():
         checks.check_compiler(context.machine)  # told now, and not after a gigabyte of packages
     count = 0
-    for number, step in enumerate(steps, start=1):
-        if step.is_done():
+    for number, kinds in enumerate(groups, start=1):
+        steps = [step for step in (kind(context) for kind in kinds) if not step.is_done()]
+        if not steps:
             continue
-        _say(f"[{number}/{len(steps)}] {step.title}")
-        started = time.monotonic()
-        step.run()
-        _say(f"[{number}/{len(steps)}] done in {time.monotonic() - started:.0f} s")
-        count += 1
+        _say(f"[{number}/{len(groups)}] {', '.join(step.title for step in steps)}")
+        started, cpu = time.monotonic(), _of_children()
+        with ThreadPoolExecutor(len(steps)) as side_by_side:
+            for done in [side_by_side.submit(step.run) for step in steps]:
+                done.result()
+        took, cpu = time.monotonic() - started, _of_children() - cpu
+        _say(f"[{number}/{len(groups)}] done in {took:.0f} s ({cpu:.0f} s of processors)")
+        count += len(steps)
     return count
 
 
@@ -80,6 +87,12 @@ def main() -> int:
     source = "wheels in .venv" if context.way is Way.WHEELS else "the sourced installation"
     _say(f"set-up: {'ready' if ran else 'up to date'} (ROS 2 Jazzy from {source})")
     return 0
+
+
+def _of_children() -> float:
+    """Processor time of the commands that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 class _Alone:

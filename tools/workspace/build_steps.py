@@ -1,4 +1,4 @@
-"""The steps that build `src/`: messages, and the Python packages with the core."""
+"""The steps that build `src/`: messages, the core of the controller, and the Python packages."""
 
 from __future__ import annotations
 
@@ -43,15 +43,18 @@ class ColconBuild(Step):
             [str(self.layout.python), colcon, "build", "--symlink-install"]
             + ["--base-paths", str(self.layout.source), str(self.layout.wheel_interfaces)]
             + ["--packages-select", *names, *more],
-            environment,
+            environment | {"GHC_CORE_BUILD": str(self.layout.core_build)},
             f"colcon could not build {', '.join(names)}; the whole log: log/latest_build/",
         )
 
 
 class Messages(ColconBuild):
-    """ghc_msgs, and what the wheels lack: type support in C and C++, about a minute."""
+    """ghc_msgs, and what the wheels lack: type support in C, and in C++ for an installation.
 
-    title = f"{MESSAGES} (compiled, about a minute)"
+    Among the wheels no program in C++ reads messages.
+    """
+
+    title = f"{MESSAGES} (compiled)"
 
     def packages(self) -> Sequence[str]:
         return [path.name for path in self._folders()]
@@ -83,16 +86,56 @@ class Messages(ColconBuild):
         cmake = ["-DCMAKE_BUILD_TYPE=Release", f"-DPython3_EXECUTABLE={self.layout.python}"]
         if self.context.way is Way.WHEELS:
             cmake += ["-GNinja", f"-DCMAKE_PROJECT_INCLUDE={self.layout.wheel_includes}"]
+            cmake += ["-DWITH_CPP=OFF"]
         self._colcon(["--cmake-args", *cmake])
+
+
+class Core(Step):
+    """The compiled core of the controller, beside its sources."""
+
+    title = "core of the controller (compiled)"
+
+    def key(self) -> str:
+        files = self.layout.core_sources()
+        return key_of(files, self.context.venv_version(), self.layout.root, self.context.way)
+
+    def stamp(self) -> Stamp:
+        return Stamp(self.layout.build / ".core_stamp")
+
+    def outputs(self) -> Sequence[Path]:
+        return [self.layout.core_build, *self.layout.core_extensions()]
+
+    def run(self) -> None:
+        """Build what changed; from scratch for another Python or in a folder that was moved."""
+        checks.check_compiler(self.context.machine)
+        place = Stamp(self.layout.core_build / ".made_for")
+        made_for = key_of([], self.context.venv_version(), self.layout.root, self.context.way)
+        if not place.is_done(made_for):
+            shutil.rmtree(self.layout.core_build, ignore_errors=True)
+            place.done(made_for)
+        super().run()
+
+    def make(self) -> None:
+        log = self.layout.log / "core.log"
+        self.context.run(
+            [
+                str(self.layout.python),
+                str(self.layout.core_builder()),
+                str(self.layout.core_build),
+            ],
+            self.context.environment(),
+            "the core of the controller could not be built; the whole log: log/core.log",
+            log,
+        )
 
 
 class PythonPackages(ColconBuild):
     """The Python packages, installed by symlink: an edit of a Python file takes effect at once.
 
-    The compiled core of the controller is built with them, beside its sources.
+    The extension of the core is only linked again.
     """
 
-    title = "Python packages, and the core of the controller (compiled)"
+    title = "Python packages"
 
     def packages(self) -> Sequence[str]:
         return [path.name for path in self.layout.python_packages()]
@@ -100,7 +143,6 @@ class PythonPackages(ColconBuild):
     def key(self) -> str:
         named = ("setup.py", "setup.cfg", "package.xml")
         files = [path / name for path in self.layout.python_packages() for name in named]
-        files += self.layout.core_sources()
         return key_of(files, self.context.venv_version(), self.layout.root, self.context.way)
 
     def stamp(self) -> Stamp:
@@ -114,10 +156,6 @@ class PythonPackages(ColconBuild):
             *(self.layout.build / name for name in names),
             *self.layout.core_extensions(),
         ]
-
-    def run(self) -> None:
-        checks.check_compiler(self.context.machine)
-        super().run()
 
     def make(self) -> None:
         self._colcon([])

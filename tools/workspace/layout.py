@@ -43,6 +43,10 @@ class Layout:
         return self.root / "install"
 
     @property
+    def log(self) -> Path:
+        return self.root / "log"
+
+    @property
     def uv_lock(self) -> Path:
         return self.root / "requirements" / "uv.txt"
 
@@ -98,6 +102,15 @@ class Layout:
         folders = sorted(path.parent for path in self.source.glob("*/*/core/CMakeLists.txt"))
         files = [path for folder in folders for path in sorted(folder.rglob("*.[ch]pp"))]
         return [*files, *(folder / "CMakeLists.txt" for folder in folders), *self._builders()]
+
+    @property
+    def core_build(self) -> Path:
+        """Folder in which CMake builds the core of the controller."""
+        return self.build / "core"
+
+    def core_builder(self) -> Path:
+        """The script that builds it."""
+        return self.source / "ghc_controller" / "build_core.py"
 
     def core_extensions(self) -> list[Path]:
         """The extensions that were built, beside their sources; what should be where none is."""

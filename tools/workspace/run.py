@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from tools.workspace.errors import SetupError
@@ -19,10 +20,29 @@ class Runner:
         self._folder = folder
 
     def __call__(
-        self, command: Sequence[str], environment: Mapping[str, str], complaint: str
+        self,
+        command: Sequence[str],
+        environment: Mapping[str, str],
+        complaint: str,
+        log: Path | None = None,
     ) -> None:
-        """Run a command; raise SetupError with the complaint when it fails."""
-        code = subprocess.run(command, env=environment, cwd=self._folder, check=False).returncode
+        """Run a command; raise SetupError with the complaint when it fails.
+
+        Its output goes to the file `log` if one is given.
+        """
+        with ExitStack() as stack:
+            output = None
+            if log is not None:
+                log.parent.mkdir(parents=True, exist_ok=True)
+                output = stack.enter_context(log.open("wb"))
+            code = subprocess.run(
+                command,
+                env=environment,
+                cwd=self._folder,
+                check=False,
+                stdout=output,
+                stderr=output and subprocess.STDOUT,
+            ).returncode
         if code in _INTERRUPTED:
             raise KeyboardInterrupt
         if code != 0:

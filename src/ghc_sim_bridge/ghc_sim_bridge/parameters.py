@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ghc_controller.ros.process.scheduling import Scheduling
 from ghc_controller.safety.torque_gate import DEFAULT_TORQUE_RATE
+from ghc_controller.schema.declared import inline
 from ghc_controller.schema.domains import Distinct, Range
 from ghc_controller.schema.parameters import (
     EXECUTOR,
@@ -41,6 +43,7 @@ class BridgeParameters:
         10.0, "[s] wall: lockstep ends with an error when a state is not answered", positive
     )
     executor: str = EXECUTOR
+    scheduling: Scheduling = inline(Scheduling)
     publish_contacts: bool = parameter(True, "publish contacts/<name>")
     lossless: bool = parameter(
         False, "publish so that a reliable reader gets every message: slow readers slow the run"

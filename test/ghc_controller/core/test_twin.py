@@ -7,32 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from random_problems import random_problem, strict_alpha
-from reference.smooth_twin import twin_answer
+from reference.smooth_twin import apart, twin_answer, unbounded
 
-from ghc_controller.formulations import ControlProblem, SolutionStatus, make_formulation
+from ghc_controller.formulations import SolutionStatus, make_formulation
 from ghc_controller.hierarchy.priorities import Candidate, Priorities
-from ghc_controller.types import Array, Bounds
-
-
-def _open(problem: ControlProblem) -> ControlProblem:
-    """The same problem without any bound."""
-
-    def unbounded(size: int) -> Bounds:
-        return Bounds(np.full(size, -np.inf), np.full(size, np.inf))
-
-    n, a = len(problem.bias), len(problem.bias) - problem.unactuated
-    contacts = problem.contacts
-    if contacts is not None:
-        forces = unbounded(len(contacts.force_lower))
-        contacts = contacts._replace(force_lower=forces.lower, force_upper=forces.upper)
-    joints = unbounded(a)
-    return replace(
-        problem, acceleration=unbounded(n), torque=joints, torque_limit=joints, contacts=contacts
-    )
-
-
-def _apart(found: Array, wanted: Array) -> float:
-    return float(np.abs(found - wanted).max(initial=0.0) / (1.0 + np.abs(wanted).max(initial=0.0)))
 
 
 @pytest.mark.parametrize("kind", ["fixed", "standing", "dependent", "few", "flight"])
@@ -47,7 +25,7 @@ def test_a_tick_is_that_of_the_twin(kind: str) -> None:
     count = {"fixed": 0, "few": 1}.get(kind, 4)
     for trial in range(6):
         problem = random_problem(rng, 22, [3, 2, 6], strict_alpha(3), contacts=count)
-        problem = replace(_open(problem), velocity=rng.normal(size=22))
+        problem = replace(unbounded(problem), velocity=rng.normal(size=22))
         contacts = problem.contacts
         if kind == "dependent" and contacts is not None:
             rows = contacts.jacobian.copy()
@@ -67,4 +45,4 @@ def test_a_tick_is_that_of_the_twin(kind: str) -> None:
         for value, wanted in zip(
             (found.acceleration, found.force, found.torque), twin_answer(problem), strict=True
         ):
-            assert _apart(value, wanted) < 1e-10
+            assert apart(value, wanted) < 1e-10

@@ -111,6 +111,7 @@ class ControllerNode:
         self._command = b""  # serialized, of the last answered state
         self._publish_and_listen()
         self._old_clients = OldClients(self.node)
+        p.scheduling.apply()
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
             f"{self._controller.formulation.name}, solver {p.settings.qp_solver}: ready"

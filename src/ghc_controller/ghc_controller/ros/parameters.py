@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ghc_controller.previews.preview import KINDS
+from ghc_controller.ros.process.scheduling import Scheduling
 from ghc_controller.safety.modes import Arming
 from ghc_controller.schema.declared import inline
 from ghc_controller.schema.parameters import (
@@ -53,6 +54,7 @@ class ControllerParameters:
         False, "publish /effort_controller/commands as well, order of the robot model"
     )
     executor: str = EXECUTOR
+    scheduling: Scheduling = inline(Scheduling)
 
     @property
     def armed_by(self) -> Arming:

@@ -130,6 +130,7 @@ class SimBridge:
         self._mode.paused = p.paused
         self._young = YoungBridge(self.node, lambda: self._cycle.time_ns, stop)
         self._listen(stop)
+        p.scheduling.apply()
         self._begin_run()
         self.node.get_logger().info(
             f"scene '{p.scene}', {p.mode}, {'paused' if p.paused else 'running'}"

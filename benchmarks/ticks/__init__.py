@@ -1,0 +1,1 @@
+"""Control problems of recorded states of every scenario."""

@@ -1,0 +1,104 @@
+"""Ticks of the core at recorded states of every scenario against the dense twins.
+
+The files are written by `python -m benchmarks.ticks.record`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference.bounded_twin import bounded_answer
+from reference.smooth_twin import apart, rows_of_levels, twin_answer, unbounded
+
+from benchmarks.ticks.tick_file import STATES, load
+from ghc_controller.formulations import ControlProblem, Solution, SolutionStatus, make_formulation
+from ghc_controller.types import Bounds
+from ghc_sim_bridge.scenario.scenario import scenario_names
+
+FILES = sorted(STATES.glob("*.npz"))
+_REACHED = (0.8, 0.4)  # [-] of the torque beside what holds the robot: bounds that are met
+_PUSH = 2.0  # [m/s^2], [rad/s^2] standard deviation of what is added to targets
+# Torque: without bounds relative, with them in Nm or from the optimum of every level.
+_FREE, _BOUNDED = 1e-10, 1e-6
+# The core loses digits where rows of several levels nearly depend on each other: its soft null
+# spaces come from a Cholesky factor of S S^T + e^2 I. The twin in extended precision has its own
+# answer to 1e-12 rad/s^2 there, and the core's to 1e-6; bounds that are met multiply that.
+_NEARLY_DEPENDENT = {"stand_up": (1e-8, 1e-3)}
+
+by_file = pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
+
+
+@cache
+def _problems(path: Path) -> list[ControlProblem]:
+    return load(path)
+
+
+def _solve(problem: ControlProblem) -> Solution:
+    return make_formulation("cascade").solve(problem)
+
+
+def test_every_scenario_is_recorded() -> None:
+    """With ticks in a ramp and ticks in contact among them."""
+    assert [path.stem for path in FILES] == sorted(scenario_names())
+    problems = [problem for path in FILES for problem in _problems(path)]
+    assert sum(len(problem.priorities.candidates) > 1 for problem in problems) >= 12
+    assert sum(problem.contacts is not None for problem in problems) >= 12
+
+
+@by_file
+def test_without_bounds_the_core_is_the_twin(path: Path) -> None:
+    for problem in map(unbounded, _problems(path)):
+        found = _solve(replace(problem, rows=None))
+        assert found.status is SolutionStatus.SOLVED
+        assert not found.qp_solved
+        *_, torque = twin_answer(problem)
+        assert apart(found.torque, torque) < _tolerance(path)[0]
+
+
+@by_file
+def test_at_its_bounds_the_core_is_the_twin(path: Path) -> None:
+    """As recorded, and pushed against torque limits that are reached. Seed 7."""
+    tolerance = _tolerance(path)[1]
+    for problem in _problems(path):
+        assert _is_twin(problem, tolerance) is not None
+    rng = np.random.default_rng(7)
+    qps = [
+        _is_twin(_limited(problem, rng, share), tolerance)
+        for problem in _problems(path)
+        for share in _REACHED
+    ]
+    assert sum(each is not None and each > 0 for each in qps) >= len(qps) / 2
+
+
+def _tolerance(path: Path) -> tuple[float, float]:
+    return _NEARLY_DEPENDENT.get(path.stem, (_FREE, _BOUNDED))
+
+
+def _is_twin(problem: ControlProblem, tolerance: float) -> int | None:
+    """Assert that core and twin agree; QPs of the twin, None where the bounds conflict."""
+    found = _solve(replace(problem, torque=problem.torque_limit))
+    if found.status is not SolutionStatus.SOLVED:
+        return None
+    answer = bounded_answer(problem)
+    if np.abs(found.torque - answer.torque).max() > tolerance:
+        for candidate in problem.priorities.candidates:
+            for rows in rows_of_levels(problem, candidate.alpha):
+                J, b = problem.jacobian[rows], problem.target[rows]
+                misses = [float(np.linalg.norm(J @ x - b)) for x in (found.acceleration, answer.x)]
+                assert abs(misses[0] - misses[1]) < tolerance * max(1.0, misses[1])
+    return answer.qps
+
+
+def _limited(problem: ControlProblem, rng: np.random.Generator, share: float) -> ControlProblem:
+    """With targets that ask for more, and torque limits at a share of what they take."""
+    push = _PUSH * rng.normal(size=len(problem.target))
+    pushed = replace(problem, target=problem.target + push)
+    weight = problem.bias[problem.unactuated :]
+    size = np.abs(weight) + share * np.abs(_solve(unbounded(pushed)).torque - weight)
+    size = np.minimum(size, problem.torque_limit.upper)
+    limit = Bounds(-size, size)
+    return replace(pushed, torque_limit=limit, torque=limit)
