@@ -51,9 +51,10 @@ Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, con
     } else {
       level_.solve(rows, target_of_level, y_, above_, damping.regularization);
     }
-    bounds_.evaluate(level_.optimum(), Vector(), 1.0);
+    bounds_.evaluate(level_.optimum(), none_, 1.0);
     if (bounds_.inside()) {
       y_ = level_.optimum();
+      if (qps_) violation_ = bounds_.violation_of_given();
     } else {
       const Index left = std::min(effort.of_qp, effort.of_order - pivots_);
       if (!effort.bounded || !bounds_.balanced() || left <= 0) return l;
@@ -61,12 +62,13 @@ Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, con
       const bool solved =
           active_set_.solve(level_, above_, bounds_, bound_rows_, weight, memory_[l], left);
       pivots_ += active_set_.pivots();
-      if (!solved || !(bounds_.violation_of_given() <= kViolation)) return l;
+      const double violation = solved ? bounds_.violation_of_given() : kViolation;
+      if (!solved || !(violation <= kViolation)) return l;
       y_ = active_set_.optimum();
+      violation_ = violation;
       ++qps_;
       bounds_.widen();
     }
-    if (qps_) violation_ = bounds_.violation_of_given();
     x_ = bounds_.x(), torque_ = bounds_.torque(), force_ = bounds_.force();
     if (l + 1 == levels) continue;
     if (by_identity) above_.project_rows(rows, projected_);

@@ -23,10 +23,11 @@ void factor_small(Matrix& matrix) {
     const double pivot = matrix(k, k) - squares;
     if (pivot <= 0.0) return;
     matrix(k, k) = std::sqrt(pivot);
+    const double inverse = 1.0 / matrix(k, k);
     for (Index i = k + 1; i < m; ++i) {
       double product = 0.0;
       for (Index c = 0; c < k; ++c) product += matrix(i, c) * matrix(k, c);
-      matrix(i, k) = (matrix(i, k) - product) / matrix(k, k);
+      matrix(i, k) = (matrix(i, k) - product) * inverse;
     }
   }
 }
