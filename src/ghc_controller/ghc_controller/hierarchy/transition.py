@@ -8,7 +8,7 @@ from enum import Enum
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
-from ghc_controller.numerics.minimum_jerk import minimum_jerk
+from ghc_controller.numerics.minimum_jerk import minimum_jerk_share
 
 
 class Profile(Enum):
@@ -37,7 +37,7 @@ class Profile(Enum):
             return 0.5 - 0.5 * math.cos(math.pi * s)
         if self is Profile.LINEAR:
             return s
-        return minimum_jerk(s)[0]
+        return minimum_jerk_share(s)
 
 
 @dataclass(frozen=True, slots=True)
