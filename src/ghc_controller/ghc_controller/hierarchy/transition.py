@@ -77,5 +77,10 @@ class Transition:
 
     def progress(self, time: float) -> float:
         """Progress [-] that the duration allows at `time` (eq. 15)."""
-        span = time - self.start
-        return 1.0 if span >= self.duration else self.profile.progress(span / self.duration)
+        span, profile = time - self.start, self.profile
+        if span >= self.duration:
+            return 1.0
+        share = span / self.duration
+        if profile is Profile.MINIMUM_JERK and share > 0.0:  # as `Profile.progress`, in one call
+            return minimum_jerk_share(share)
+        return profile.progress(share)
