@@ -12,6 +12,7 @@ from benchmarks.peers.problem import DT, Array, PeerProblem
 from benchmarks.peers.robots import peer_robot
 
 _RAMP = 1.0  # [s] longer than a segment
+_FALLBACK = ghc.StepStatus.FALLBACK
 
 
 class OwnSide:
@@ -49,11 +50,17 @@ class OwnSide:
 
     def step(self, row: int) -> Array | None:
         """Torque (a,) [Nm] at a state; None where the joints would brake."""
+        result = self.controller.step(self._states[row])
+        return None if result.status is _FALLBACK else result.torque
+
+    def watch(self, row: int) -> Array | None:
+        """The same, with its QPs and pivots counted in `facts`."""
         solver = self.controller.formulation.solver
         before = solver.qps
-        result = self.controller.step(self._states[row])
-        self._watched.append((solver.qps - before, solver.step_pivots, bool(result.status)))
-        return None if result.status is ghc.StepStatus.FALLBACK else result.torque
+        torque = self.step(row)
+        unsolved = self.controller.report().result.status is not ghc.StepStatus.SOLVED
+        self._watched.append((solver.qps - before, solver.step_pivots, unsolved))
+        return torque
 
     def facts(self) -> dict[str, Any]:
         """Means per step so far."""

@@ -52,10 +52,11 @@ def main() -> None:
 def _watched(problem: PeerProblem, side: Side) -> dict[str, Any]:
     """Every state once, without timing: torques, and facts reported by the side."""
     answers = []
+    step = getattr(side, "watch", side.step)
     for row in range(len(problem.q)):
         if problem.begins(row):
             side.enter(row)
-        answers.append(side.step(row))
+        answers.append(step(row))
     facts: dict[str, Any] = getattr(side, "facts", dict)()
     torques = [None if torque is None else torque.tolist() for torque in answers]
     return {"torques": torques, **facts}

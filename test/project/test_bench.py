@@ -105,7 +105,7 @@ def test_times_are_complete(results: dict[str, Any]) -> None:
         assert row["steps"] == results["settings"]["steps"]
         assert 0.0 < row["median_us"] <= row["p99_us"]
         assert set(row["parts_us"]) == set(PARTS)
-        assert all(time >= 0.0 for time in row["parts_us"].values())
+        assert row["parts_us"]["terms"] > 0.0 and row["parts_us"]["solve"] > 0.0
 
 
 def test_ratios_and_goals_follow_from_the_rows(results: dict[str, Any]) -> None:

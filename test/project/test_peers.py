@@ -54,7 +54,7 @@ def test_our_side_answers_inside_the_limits_that_all_sides_have(case: str, reach
     problem = PeerProblem.load(STATES / f"{case}.npz")
     side = OwnSide(problem, "", "cascade", "strict")
     side.enter(0)
-    torques = np.array([side.step(row) for row in range(25)])
+    torques = np.array([side.watch(row) for row in range(25)])
     beyond = np.abs(torques) / problem.torque_limit
     assert beyond.max() <= 1.0 + 1e-9
     assert bool(beyond.max() > 1.0 - 1e-6) is reached

@@ -196,7 +196,7 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         begin = perf_counter()
         time = self._time = state.time
         found = None if self._events else self._compiled.again(state)
-        if isinstance(found, StepResult):
+        if type(found) is StepResult:
             self._last = found
             return found
         if found is None:

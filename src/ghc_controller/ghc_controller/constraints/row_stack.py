@@ -34,6 +34,7 @@ class RowStack:
     Attributes:
         general: rows on accelerations and torques at the last update, those that are never
             relaxed last; None without any.
+        on_motion: the constraints that may have them; those of all others need a contact.
     """
 
     def __init__(self, constraints: Sequence[Constraint]) -> None:
@@ -47,7 +48,7 @@ class RowStack:
             _check(one)
         self._all = rows
         general = [one for one in rows if one.space is not Space.FORCE]
-        self._general = sorted(general, key=lambda one: one.softness is Softness.HARD)
+        self.on_motion = sorted(general, key=lambda one: one.softness is Softness.HARD)
         forces = [one for one in rows if one.space is Space.FORCE]
         self._relaxed = [one for one in forces if one.softness is Softness.FORCE]
         self._hard = [one for one in forces if one.softness is Softness.HARD]
@@ -61,7 +62,7 @@ class RowStack:
     def update(self, tick: Tick) -> None:
         """Evaluate all rows at a state, those on forces for the contacts that are on."""
         n = tick.model.nv
-        general = [_general(one, tick, n) for one in self._general]
+        general = [_general(one, tick, n) for one in self.on_motion]
         found = [one for one in general if one is not None]
         self.general = _stacked(found) if found else None
         if tick.contacts is None:
@@ -75,12 +76,10 @@ class RowStack:
     @property
     def is_idle(self) -> bool:
         """Whether no constraint has rows: then there are none, without an update."""
-        return _are_idle(self._all)
-
-    @property
-    def leaves_motion(self) -> bool:
-        """Whether no constraint has general rows; those on forces need a contact."""
-        return _are_idle(self._general)
+        for one in self._all:  # noqa: SIM110 (a generator takes twice as long)
+            if not one.is_idle:
+                return False
+        return True
 
     def clear(self) -> None:
         """Have no rows."""
@@ -111,13 +110,6 @@ class RowStack:
             self._bounds,
             contacts.forces,
         )
-
-
-def _are_idle(constraints: Sequence[Constraint]) -> bool:
-    for one in constraints:  # noqa: SIM110 (a generator takes twice as long)
-        if not one.is_idle:
-            return False
-    return True
 
 
 def _check(one: Constraint) -> None:

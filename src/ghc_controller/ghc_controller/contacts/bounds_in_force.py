@@ -23,6 +23,9 @@ class BoundsInForce:
     cause a jump of a bound that it loosens: see `Way`.
     Contacts are activated and deactivated by plans only: a contact that carries the robot is
     never deactivated because its generator timed out.
+
+    Attributes:
+        plan: the preview that is followed; None without.
     """
 
     kind = CONTACT_FORCES
@@ -38,7 +41,7 @@ class BoundsInForce:
 
     def reset(self) -> None:
         """Discard the plan."""
-        self._plan: Preview | None = None
+        self.plan: Preview | None = None
         self._way: Way | None = None
         self._places = _NOWHERE
         self._held = _NOWHERE
@@ -67,7 +70,7 @@ class BoundsInForce:
         plan = self._within_file(plan)
         delay = 0.0 if now is None else now - plan.start
         in_force = None if now is None or delay <= AGE_TOLERANCE else self.at(now)
-        self._plan = plan
+        self.plan = plan
         places = [self._names.index(name) for name in plan.rows]
         self._places = np.array(places, dtype=np.intp)
         of_robot = plan.stale is StaleRule.OF_ROBOT
@@ -116,17 +119,12 @@ class BoundsInForce:
 
     def at(self, time: float) -> NormalBounds:
         """Bounds at `time` [s]."""
-        if self.is_unplanned:
+        if self.plan is None or not self._contacts:
             return self._unplanned
         bounds = self._planned(time)
         if self._way is not None:
             self._way.narrow(time, bounds.lower, bounds.upper)
         return bounds
-
-    @property
-    def is_unplanned(self) -> bool:
-        """Whether the robot's file alone says what holds."""
-        return self._plan is None or not self._contacts
 
     @property
     def some_active(self) -> bool:
@@ -136,7 +134,7 @@ class BoundsInForce:
     def _planned(self, time: float) -> NormalBounds:
         lower, upper = self._file[0].copy(), self._file[1].copy()
         stale: tuple[str, ...] = ()
-        plan = self._plan
+        plan = self.plan
         if plan is not None and plan.rows:
             values = plan.at(time)
             if plan.has_ended(time):
@@ -151,7 +149,7 @@ class BoundsInForce:
 
     def largest_ahead(self, place: int, time: float, span: float) -> float:
         """Largest planned upper bound [N] of a contact from `time` to `time + span` [s]."""
-        plan = self._plan
+        plan = self.plan
         if plan is None or place not in self._places:
             return 0.0
         first = max(int(np.ceil((time - plan.start) / plan.step - 1e-6)), 0)
@@ -162,4 +160,4 @@ class BoundsInForce:
     @property
     def planned(self) -> tuple[str, ...]:
         """Contacts bounded by a generator, in the order of the plan."""
-        return () if self._plan is None else self._plan.rows
+        return () if self.plan is None else self.plan.rows

@@ -46,8 +46,9 @@ class CompiledStep:
         self._stack, self._references = controller.stack, controller.references
         self._constraints, self._schedule = controller.constraints, controller.priorities
         self._contacts, self._sensed = controller.force_bounds, controller.sensing.is_used
-        self._anchor, self._tuning = controller.output.anchor, controller.tuning
+        self._anchor, self._moves = controller.output.anchor, controller.tuning.moves
         model = self._model = controller.model
+        self._exerted = model.exerted
         self._shapes = (model.nq,), (model.nv,)
 
     def reset(self) -> None:
@@ -61,20 +62,20 @@ class CompiledStep:
             What the core found where it left a part open: `answer` finishes it. None where
             something changed: a request, a preview, a setting, a hold, the end of a ramp.
         """
+        # Attributes where a property would do: calls of Python are a good part of a short step.
         time, references = state.time, self._references
-        solver = self._solver
+        solver, controller = self._solver, self._controller
         if not (
             self._rests
             and references.rest_from <= time < references.rest_until
-            and self._controller.formulation is self._formulation
-            and self._controller.settings is self._settings
+            and controller.formulation is self._formulation
+            and controller.settings is self._settings
             and solver.settings is self._effort
-            and self._tuning.is_settled
+            and not self._moves
+            and not self._exerted
             and self._stack.law is tracking
-            and self._limits is not None
-            and self._limits.normal_bounds is self._contacts.at(time)
+            and self._contacts.plan is None
             and self._constraints.rests
-            and not self._model.exerts
         ):
             return None
         mixture, core = self._schedule.glide(time), self._core
@@ -83,13 +84,14 @@ class CompiledStep:
         found: StepResult | _Found | None = core.again(
             time, state.q, state.v, mixture[1], solver.step_time
         )
-        if found is None:
-            return None
         if type(found) is StepResult:
-            solver.account(found.solution.iterations, core.qps)
-            return found
-        self._rests = False
-        solver.end = core.end
+            solution = found.solution
+            solver.step_pivots = solution.iterations
+            if solution.qp_solved:
+                solver.qps += core.qps
+        elif found is not None:
+            self._rests = False
+            solver.end = core.end
         return found
 
     def takes(self, state: RobotState) -> bool:
@@ -101,12 +103,11 @@ class CompiledStep:
             self._core is not None
             and self._stack.is_compiled
             and self._references.has_begun
-            and self._anchor.follows(state.time)
             and not self._contacts.some_active
             and not self._constraints.has_rows
             and not self._schedule.is_paced_at(state.time)
             and not self._sensed
-            and not self._model.exerts
+            and not self._exerted
             and (state.q.shape, state.v.shape) == self._shapes
         )
 
@@ -130,7 +131,11 @@ class CompiledStep:
         solver = self._solver
         events = self._schedule.advance(time)
         self._stack.follow(self._references.targets(time))
-        before = self._anchor.at(time)
+        if self._anchor.follows(time):
+            before = self._anchor.at(time)
+        else:  # the first step, or the one after a hold: from what holds the robot
+            self._model.update(state.q, state.v)
+            before = controller.output.before(state)
         constraints.prepare(time)
         matrices, shares = self._schedule.mixture
         if matrices is not self._matrices:
@@ -168,7 +173,7 @@ class CompiledStep:
             torque is not None
             and not gave_way
             and constraints.rests
-            and self._contacts.is_unplanned
+            and self._contacts.plan is None
         )
         self._settings, self._effort = controller.settings, solver.settings
         return Answer(events, before, limits, None, solution, torque, terms, solve)

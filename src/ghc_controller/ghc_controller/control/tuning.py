@@ -31,22 +31,21 @@ class _Move:
 
 
 class Tuning:
-    """Changes of one controller while it runs."""
+    """Changes of one controller while it runs.
+
+    Attributes:
+        moves: what is on its way, by name; always the same object.
+    """
 
     def __init__(self, controller: Controller) -> None:
         self._controller = controller
         self._checks = ChangeChecks(controller)
-        self._moves: dict[str, _Move] = {}
+        self.moves: dict[str, _Move] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
         """What can be changed, by the names of parameters."""
         return self._checks.names
-
-    @property
-    def is_settled(self) -> bool:
-        """True when nothing is on its way."""
-        return not self._moves
 
     def check(self, values: Mapping[str, Any]) -> Change:
         """What these values would change; nothing changes yet.
@@ -54,7 +53,7 @@ class Tuning:
         Raises:
             UnknownName, ConfigurationError, InvalidValue: as ChangeChecks.check.
         """
-        return self._checks.check(values, "formulation" in self._moves)
+        return self._checks.check(values, "formulation" in self.moves)
 
     def begin(self, change: Change, duration: float | None = None) -> None:
         """Begin a checked change at the next step; before the first one it holds at once.
@@ -76,30 +75,30 @@ class Tuning:
             change.formulation.retune(**{name: getattr(now, name) for name in WEIGHTS})
             handover = Handover(controller.formulation, change.formulation)
             controller.formulation = handover
-            self._moves["formulation"] = _Move(self._hand_over(handover), span)
+            self.moves["formulation"] = _Move(self._hand_over(handover), span)
         for name, dial, goal in change.goals:
-            self._moves[name] = _Move(_between(dial, dial.read(), goal), span)
+            self.moves[name] = _Move(_between(dial, dial.read(), goal), span)
         if not controller.has_stepped:
             self.finish()
 
     def advance(self, time: float) -> None:
         """Bring everything that is on its way to `time` [s]."""
-        if not self._moves:
+        if not self.moves:
             return
-        for name, move in tuple(self._moves.items()):
+        for name, move in tuple(self.moves.items()):
             if move.begin is None:
                 move.begin = time
             passed = time - move.begin
             share = 1.0 if passed >= move.duration else _PROFILE.progress(passed / move.duration)
             move.to(share)
             if share == 1.0:
-                del self._moves[name]
+                del self.moves[name]
 
     def finish(self) -> None:
         """Put everything that is on its way where it goes."""
-        for move in self._moves.values():
+        for move in self.moves.values():
             move.to(1.0)
-        self._moves.clear()
+        self.moves.clear()
 
     def _hand_over(self, handover: Handover) -> Callable[[float], None]:
         def to(share: float) -> None:

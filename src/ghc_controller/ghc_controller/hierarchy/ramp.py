@@ -46,6 +46,11 @@ class Ramp:
 
     def mixture(self, progress: float) -> tuple[tuple[Array, ...], tuple[float, ...]]:
         """The same as matrices and shares; all of them are the same tuple every time."""
+        if len(self._initial) == 2 and 0.0 < progress < 1.0 and self._initial[0] > 0.0:
+            # As below, without its lists.
+            left = 1.0 - progress
+            first, last = self._initial
+            return self.matrices, (left * first, left * last + progress)
         shares = self._shares_at(progress)
         if min(shares) > 0.0:
             return self.matrices, tuple(shares)

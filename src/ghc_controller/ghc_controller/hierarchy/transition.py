@@ -8,7 +8,7 @@ from enum import Enum
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.priority_matrix import PriorityMatrix
-from ghc_controller.numerics.minimum_jerk import minimum_jerk
+from ghc_controller.numerics.minimum_jerk import minimum_jerk_share
 
 
 class Profile(Enum):
@@ -37,7 +37,7 @@ class Profile(Enum):
             return 0.5 - 0.5 * math.cos(math.pi * s)
         if self is Profile.LINEAR:
             return s
-        return minimum_jerk(s)[0]
+        return minimum_jerk_share(s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,5 +77,10 @@ class Transition:
 
     def progress(self, time: float) -> float:
         """Progress [-] that the duration allows at `time` (eq. 15)."""
-        span = time - self.start
-        return 1.0 if span >= self.duration else self.profile.progress(span / self.duration)
+        span, profile = time - self.start, self.profile
+        if span >= self.duration:
+            return 1.0
+        share = span / self.duration
+        if profile is Profile.MINIMUM_JERK and share > 0.0:  # as `Profile.progress`, in one call
+            return minimum_jerk_share(share)
+        return profile.progress(share)

@@ -228,8 +228,9 @@ class TransitionSchedule:
         if now != self._now:
             self._now, self._begin = now, self._progress
         if running is not None:
-            self._move(running.progress(now))
-        if self._mixture is None:
+            self._progress, self._in_force = running.progress(now), None
+            self._mixture = self._ramp.mixture(self._progress)
+        elif self._mixture is None:
             self._mixture = self._ramp.mixture(self._progress)
         return self._mixture
 

@@ -47,6 +47,7 @@ class RobotModel:
         collision_shapes: (names of links) -> their shapes in the URDF; none without a file.
         joint_of: (n,) number of the joint that each velocity coordinate belongs to.
         carries: (n, n), [a, b] is True where the joint of a is the joint of b or carries it.
+        exerted: what was told to `exert` since the last update, by name; always the same object.
     """
 
     def __init__(self, model: pin.Model, limits: JointLimits | None = None) -> None:
@@ -74,7 +75,7 @@ class RobotModel:
         self._frame_ids: dict[str, int] = {}
         self._frames: list[FrameTerms] = []
         self.joint_of, self.carries = joint_order(model)
-        self._exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
+        self.exerted: dict[str, Array] = {}  # name -> (n,) J^T force [Nm]
         self.dynamics = self._free_dynamics = Dynamics(core.mass_matrix, core.bias)
         self.update(pin.neutral(model), np.zeros(self.nv))
         moved = np.diag(self.dynamics.mass_matrix)[self.nv - self.na :]
@@ -123,8 +124,8 @@ class RobotModel:
         if v.shape != (self.nv,):
             raise WrongSize("v", v.shape, (self.nv,))
         self.core.update(q, v)
-        if self._exerted:
-            self._exerted.clear()
+        if self.exerted:
+            self.exerted.clear()
             self.dynamics = self._free_dynamics
         return self.dynamics
 
@@ -141,14 +142,9 @@ class RobotModel:
             jacobian: (r, n) of the points and directions of the force.
             force: (r,) [N] or [Nm] of the robot on its surroundings.
         """
-        self._exerted[name] = force @ jacobian
+        self.exerted[name] = force @ jacobian
         free = self._free_dynamics
-        self.dynamics = Dynamics(free.mass_matrix, sum(self._exerted.values(), free.bias))
-
-    @property
-    def exerts(self) -> bool:
-        """Whether a force was told to `exert` since the last update."""
-        return bool(self._exerted)
+        self.dynamics = Dynamics(free.mass_matrix, sum(self.exerted.values(), free.bias))
 
     @property
     def frame_names(self) -> tuple[str, ...]:

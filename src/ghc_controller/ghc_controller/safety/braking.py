@@ -44,7 +44,10 @@ def braking_torque(
         max_acceleration: [rad/s^2] of a joint; inf = only the bounds apply.
     """
     base = velocity.shape[0] - torque_limit.shape[0]
-    acceleration = np.clip(-velocity / BRAKE_TIME, -max_acceleration, max_acceleration)
+    # minimum and maximum take a third of the time of np.clip, for the same numbers.
+    acceleration = np.minimum(
+        np.maximum(velocity / -BRAKE_TIME, -max_acceleration), max_acceleration
+    )
     acceleration[:base] = 0.0
     braking = _of_motors(dynamics.mass_matrix @ acceleration, base, contact_rows)
     bias = _of_motors(dynamics.bias, base, contact_rows)
@@ -56,7 +59,7 @@ def braking_torque(
     with np.errstate(divide="ignore", invalid="ignore"):
         room = np.where(braking > 0.0, upper - bias, lower - bias) / braking
     room[(braking == 0.0) | (bias < lower) | (bias > upper)] = np.inf
-    scale = float(np.clip(room.min(initial=np.inf), 0.0, 1.0))
+    scale = min(max(float(room.min(initial=np.inf)), 0.0), 1.0)
     torque: Array = np.minimum(np.maximum(scale * braking + bias, lower), upper)
     return torque
 

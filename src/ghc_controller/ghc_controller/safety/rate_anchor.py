@@ -87,7 +87,7 @@ class RateAnchor:
             room = share * self._limit
             near = np.clip(reported, holding - room, holding + room)
             anchor = np.where(np.isfinite(reported), near, holding)
-        before: Array = np.clip(anchor, -self._limit, self._limit)
+        before: Array = np.minimum(np.maximum(anchor, -self._limit), self._limit)
         self.core.before = before
         return before
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "few_rows.hpp"
+
 namespace ghc {
 namespace {
 
@@ -22,19 +24,22 @@ bool ActiveSet::solve(Level& level, const NullSpace& above, Bounds& bounds, Proj
                       double force_weight, std::vector<ActiveRow>& memory, Index limit) {
   begin(level, above, bounds, rows, force_weight);
   start_from(memory);
-  const bool kept = size_ == static_cast<Index>(memory.size());
-  const Index before = pivots_;
+  // Mostly the set of the tick before is that of this one: then one evaluation shows it.
+  bool final = size_ == static_cast<Index>(memory.size());
   memory.clear();
   while (true) {
+    if (final && !refine()) return false;
     evaluate();
     const ActiveRow worst = most_violated();
-    if (worst.side == 0) break;
-    if (!enter(worst, limit)) return false;
-    answer();
+    if (worst.side != 0) {
+      if (!enter(worst, limit)) return false;
+      answer(), final = false;
+    } else if (!final) {
+      factor(in_order()), final = true;
+    } else {
+      break;
+    }
   }
-  if (!kept || pivots_ != before) factor(in_order());
-  if (!refine()) return false;
-  evaluate();
   if (!(bounds.violation() <= kFeasible)) return false;
   memory = active_;
   return true;
@@ -105,28 +110,29 @@ bool ActiveSet::form(const ActiveRow& active) {
 }
 
 void ActiveSet::split_candidate() {
-  const auto basis = basis_.topRows(size_);
   rest_ = candidate_;
   share_.head(size_).setZero();
+  if (size_ == 0) {
+    free_ = rest_.squaredNorm();
+    return;
+  }
+  const auto basis = basis_.topRows(size_);
   double before = 1.0;
   for (int pass = 0; pass < 2; ++pass) {
-    direction_.head(size_).noalias() = basis * rest_.transpose();
-    rest_.noalias() -= direction_.head(size_).transpose() * basis;
+    times(basis, rest_, direction_);
+    add_rows(basis, direction_, -1.0, rest_);
     share_.head(size_) += direction_.head(size_);
     free_ = rest_.squaredNorm();
     if (free_ > kCancelled * before) break;  // else rounding is no small part of the rest
     before = free_;
   }
-  auto direction = direction_.head(size_);
-  direction = share_.head(size_);
-  triangle_.topLeftCorner(size_, size_).triangularView<Eigen::Upper>().solveInPlace(direction);
 }
 
 void ActiveSet::append(const ActiveRow& active) {
   const double length = std::sqrt(free_);
   normals_.row(size_) = candidate_;
   right_[size_] = candidate_right_;
-  basis_.row(size_) = rest_ / length;
+  basis_.row(size_) = rest_ * (1.0 / length);
   triangle_.col(size_).head(size_) = share_.head(size_);
   triangle_(size_, size_) = length;
   active_.push_back(active);
@@ -159,12 +165,11 @@ void ActiveSet::drop(Index k) {
 }
 
 void ActiveSet::answer() {
-  const auto triangle = triangle_.topLeftCorner(size_, size_);
-  auto multiplier = multiplier_.head(size_);
-  multiplier = right_.head(size_);
-  triangle.transpose().triangularView<Eigen::Lower>().solveInPlace(multiplier);
-  s_.noalias() = basis_.topRows(size_).transpose() * multiplier;
-  triangle.triangularView<Eigen::Upper>().solveInPlace(multiplier);
+  multiplier_.head(size_) = right_.head(size_);
+  divide_by_upper_transposed(triangle_, size_, multiplier_);
+  s_.setZero();
+  add_rows(basis_.topRows(size_), multiplier_, 1.0, s_);
+  divide_by_upper(triangle_, size_, multiplier_);
 }
 
 bool ActiveSet::enter(ActiveRow active, Index limit) {
@@ -173,6 +178,8 @@ bool ActiveSet::enter(ActiveRow active, Index limit) {
   while (pivots_ < limit) {
     ++pivots_;
     split_candidate();
+    direction_.head(size_) = share_.head(size_);
+    divide_by_upper(triangle_, size_, direction_);
     const bool dependent = size_ == normals_.rows() || !(std::sqrt(free_) > kDependent);
     Index blocking = -1;
     double dual_step = kInfinity;
@@ -198,17 +205,16 @@ bool ActiveSet::enter(ActiveRow active, Index limit) {
 
 bool ActiveSet::refine() {
   if (size_ == 0) return true;
-  auto missing = share_.head(size_);
-  missing = right_.head(size_);
-  missing.noalias() -= normals_.topRows(size_) * s_;
-  const auto triangle = triangle_.topLeftCorner(size_, size_);
-  triangle.transpose().triangularView<Eigen::Lower>().solveInPlace(missing);
-  s_.noalias() += basis_.topRows(size_).transpose() * missing;
-  triangle.triangularView<Eigen::Upper>().solveInPlace(missing);
+  Vector& missing = share_;
+  times(normals_.topRows(size_), s_, missing);
+  missing.head(size_) = right_.head(size_) - missing.head(size_);
+  divide_by_upper_transposed(triangle_, size_, missing);
+  add_rows(basis_.topRows(size_), missing, 1.0, s_);
+  divide_by_upper(triangle_, size_, missing);
   auto multiplier = multiplier_.head(size_);
-  multiplier += missing;
+  multiplier += missing.head(size_);
   rest_ = s_.transpose();
-  rest_.noalias() -= multiplier.transpose() * normals_.topRows(size_);
+  add_rows(normals_.topRows(size_), multiplier_, -1.0, rest_);
   return multiplier.minCoeff() >= -kWrongSign * multiplier.maxCoeff() &&
          rest_.norm() <= kStationary * (1.0 + s_.norm());
 }
@@ -224,11 +230,10 @@ ActiveRow ActiveSet::most_violated() const {
   double most = kMet;
   const Vector &values = bounds_->values(), &scale = bounds_->scale();
   for (Index i = 0; i < bounds_->count(); ++i) {
-    if (is_active_[i]) continue;
-    const double below = (bounds_->lower(i) - values[i]) / scale[i];
-    const double above = (values[i] - bounds_->upper(i)) / scale[i];
-    if (below > most) most = below, worst = {i, 1};
-    if (above > most) most = above, worst = {i, -1};
+    const double below = bounds_->lower(i) - values[i], above = values[i] - bounds_->upper(i);
+    const double by = std::max(below, above);
+    if (!(by > most * scale[i]) || is_active_[i]) continue;
+    most = by / scale[i], worst = {i, below > above ? 1 : -1};
   }
   return worst;
 }

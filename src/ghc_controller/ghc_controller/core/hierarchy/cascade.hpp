@@ -58,6 +58,7 @@ class Cascade {
   std::vector<std::vector<ActiveRow>> memory_;  // active set of each level
   Matrix jacobian_, projected_;
   Vector target_, y_, x_, torque_, force_;
+  const Vector none_;  // no free forces
   NullSpace above_;
   Level level_;
   Bounds bounds_;

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "few_rows.hpp"
+
 namespace ghc {
 namespace {
 
 constexpr double kShortest = 1e-4;  // [-] length of rows below which the damping falls no further
 constexpr double kLargest = 50.0;   // [rad/s^2] asked for along a direction that is being lost
-constexpr Index kFew = 6;           // rows up to which single products are faster than one of matrices
-constexpr Index kSmall = 3;         // rows of most tasks: a call of Eigen costs more than the sums
+constexpr Index kMany = 12;         // rows up to which loops over rows are faster than Eigen's kernels
 constexpr double kMost = 4.0;       // [-] of w that is added for it at most
 
-// L in place of L L^T, of kSmall rows at most: the sums of Eigen::LLT, so the same digits.
+// L in place of L L^T, of few rows.
 void factor_small(Matrix& matrix) {
   const Index m = matrix.rows();
   for (Index k = 0; k < m; ++k) {
@@ -22,25 +23,45 @@ void factor_small(Matrix& matrix) {
     const double pivot = matrix(k, k) - squares;
     if (pivot <= 0.0) return;
     matrix(k, k) = std::sqrt(pivot);
+    const double inverse = 1.0 / matrix(k, k);
     for (Index i = k + 1; i < m; ++i) {
       double product = 0.0;
       for (Index c = 0; c < k; ++c) product += matrix(i, c) * matrix(k, c);
-      matrix(i, k) = (matrix(i, k) - product) / matrix(k, k);
+      matrix(i, k) = (matrix(i, k) - product) * inverse;
     }
   }
 }
 
-// x = L^-T L^-1 x, as Eigen's substitutions go.
-void solve_small(const Matrix& lower, double* x) {
+// out = L^-T L^-1 out for columns of `out` (m, m), with L the lower triangle of `lower`.
+void solve_columns(const Matrix& lower, Matrix& out) {
   const Index m = lower.rows();
+  if (m > kMany) {
+    lower.triangularView<Eigen::Lower>().solveInPlace(out);
+    lower.transpose().triangularView<Eigen::Upper>().solveInPlace(out);
+    return;
+  }
   for (Index i = 0; i < m; ++i) {
-    double met = 0.0;
-    for (Index c = 0; c < i; ++c) met += lower(i, c) * x[c];
-    x[i] = (x[i] - met) / lower(i, i);
+    for (Index c = 0; c < i; ++c) out.row(i) -= lower(i, c) * out.row(c);
+    out.row(i) *= 1.0 / lower(i, i);
   }
   for (Index i = m - 1; i >= 0; --i) {
-    x[i] /= lower(i, i);
-    for (Index c = 0; c < i; ++c) x[c] -= x[i] * lower(i, c);
+    out.row(i) *= 1.0 / lower(i, i);
+    for (Index c = 0; c < i; ++c) out.row(c) -= lower(i, c) * out.row(i);
+  }
+}
+
+// out (m, d) = L^T rows, with L the lower triangle of `lower`.
+template <typename Rows>
+void times_transposed(const Matrix& lower, const Rows& rows, Matrix& out) {
+  const Index m = lower.rows();
+  out.resize(m, rows.cols());
+  if (m > kMany) {
+    out.noalias() = lower.transpose().triangularView<Eigen::Upper>() * rows;
+    return;
+  }
+  for (Index i = 0; i < m; ++i) {
+    out.row(i) = lower(i, i) * rows.row(i);
+    for (Index c = i + 1; c < m; ++c) out.row(i) += lower(c, i) * rows.row(c);
   }
 }
 
@@ -73,8 +94,9 @@ void Level::solve(const Eigen::Ref<const Matrix>& jacobian, const Eigen::Ref<con
   const Index m = jacobian.rows(), d = jacobian.cols();
   identity_ = prepared_ = false;
   above.project_rows(jacobian, inner_);
-  residual_ = target;
-  residual_.noalias() -= jacobian * y;
+  residual_.resize(m);
+  times(jacobian, y, residual_);
+  residual_ = target - residual_;
   damping_ = level_damping(m, jacobian.squaredNorm(), inner_.squaredNorm(),
                            residual_.squaredNorm(), w);
   gram(inner_, factor_);
@@ -82,8 +104,8 @@ void Level::solve(const Eigen::Ref<const Matrix>& jacobian, const Eigen::Ref<con
   factor();
   weights_ = residual_;
   solve_factored();
-  whitened_.noalias() = inner_.transpose() * weights_;
-  optimum_.resize(d);
+  whitened_.setZero(d), optimum_.resize(d);
+  add_rows(inner_, weights_, 1.0, whitened_);
   above.project(whitened_.transpose(), optimum_.transpose());
   optimum_ += y;
 }
@@ -129,17 +151,12 @@ void Level::prepare(const NullSpace& above) {
     scale_ = 1.0 / std::sqrt(damping_);
     return;
   }
-  const Index d = optimum_.size(), r = above.used();
   spread_ = overlap_;
   spread_.diagonal().array() += 1.0;
-  factor_.triangularView<Eigen::Lower>().solveInPlace(spread_);
-  factor_.transpose().triangularView<Eigen::Upper>().solveInPlace(spread_);  // X
+  solve_columns(factor_, spread_);  // X
   factor_ = spread_;
   factor();  // X_h
-  inner_.resize(r, d);
-  // Without rows above there is nothing to multiply; Eigen divides by the inner size of a
-  // triangular product, also by 0, where the other one is 48 or more.
-  if (r) inner_.noalias() = factor_.transpose().triangularView<Eigen::Upper>() * above.basis();
+  times_transposed(factor_, above.basis(), inner_);
   gram(inner_, factor_);
   factor_.diagonal().array() += 1.0;
   factor();
@@ -150,7 +167,7 @@ void Level::prepare(const NullSpace& above) {
 
 // What Eigen::LLT does in place, without the norm that it takes to estimate the condition.
 void Level::factor() {
-  if (factor_.rows() <= kSmall) {
+  if (factor_.rows() <= kFew) {
     factor_small(factor_);
   } else {
     Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(factor_);
@@ -158,34 +175,31 @@ void Level::factor() {
 }
 
 void Level::solve_factored() {
-  if (factor_.rows() <= kSmall) {
-    solve_small(factor_, weights_.data());
-    return;
-  }
-  factor_.triangularView<Eigen::Lower>().solveInPlace(weights_);
-  factor_.transpose().triangularView<Eigen::Upper>().solveInPlace(weights_);
+  divide_by_lower(factor_, weights_);
+  divide_by_lower_transposed(factor_, weights_);
 }
 
 void Level::weights_times_k() {
   if (!identity_) {
-    factor_.triangularView<Eigen::Lower>().solveInPlace(weights_);
+    divide_by_lower(factor_, weights_);
     weights_ *= -1.0;
   }
-  shifted_.transpose().triangularView<Eigen::Upper>().solveInPlace(weights_);
+  divide_by_lower_transposed(shifted_, weights_);
 }
 
 void Level::k_times_weights() {
-  shifted_.triangularView<Eigen::Lower>().solveInPlace(weights_);
+  divide_by_lower(shifted_, weights_);
   if (identity_) return;
-  factor_.transpose().triangularView<Eigen::Upper>().solveInPlace(weights_);
+  divide_by_lower_transposed(factor_, weights_);
   weights_ *= -1.0;
 }
 
 void Level::step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vector& out) {
-  weights_.noalias() = inner_ * s;
+  weights_.resize(inner_.rows());
+  times(inner_, s, weights_);
   k_times_weights();
   whitened_ = s;
-  whitened_.noalias() += inner_.transpose() * weights_;
+  add_rows(inner_, weights_, 1.0, whitened_);
   whitened_ *= scale_;
   out.resize(s.size());
   above.project(whitened_.transpose(), out.transpose());

@@ -7,6 +7,7 @@
 // is solved by the few rows V of the levels above instead (docs/architecture.md, "The core").
 #pragma once
 
+#include "few_rows.hpp"
 #include "matrix.hpp"
 #include "null_space.hpp"
 
@@ -39,9 +40,10 @@ class Level {
   // out (d,) = e P F in place of e P, of a row e (d,) on accelerations: the same row on s.
   template <typename Out>
   void whiten(Eigen::MatrixBase<Out>&& out) {
-    weights_.noalias() = inner_ * out.transpose();
+    weights_.resize(inner_.rows());
+    times(inner_, out.derived(), weights_);
     weights_times_k();
-    out.noalias() += weights_.transpose() * inner_;
+    add_rows(inner_, weights_, 1.0, out.derived());
     out *= scale_;
   }
 

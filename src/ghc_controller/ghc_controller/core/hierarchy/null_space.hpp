@@ -37,6 +37,10 @@ class NullSpace {
   void project_rows(const Eigen::Ref<const Matrix>& rows, Matrix& out) {
     out = rows;
     if (used_ == 0) return;
+    if (dimension() <= kShort) {
+      for (Index r = 0; r < rows.rows(); ++r) project_on(rows.row(r), 0, out.row(r));
+      return;
+    }
     const auto V = basis_.topRows(used_);
     along_.noalias() = rows * V.transpose();
     out.noalias() -= along_ * V;
@@ -51,6 +55,8 @@ class NullSpace {
   Index dimension() const { return basis_.cols(); }
 
  private:
+  static constexpr Index kShort = 12;  // directions up to which products of matrices do not pay
+
   Matrix basis_;  // V; rows from used_ on are free
   Matrix along_;  // rows V^T of `project_rows`
   Index used_ = 0;

@@ -6,14 +6,12 @@ namespace ghc {
 namespace {
 
 double outside(const Vector& values, const Vector& lower, const Vector& upper) {
-  double worst = 0.0;
-  for (Index i = 0; i < values.size(); ++i) {
-    for (const double by : {lower[i] - values[i], values[i] - upper[i]}) {
-      if (!(by <= worst)) worst = by;   // NaN is never inside,
-      if (worst != worst) return worst;  // whether of a value or of one of its bounds
-    }
-  }
-  return worst;
+  if (values.size() == 0) return 0.0;
+  constexpr auto kNan = Eigen::PropagateNaN;  // never inside, whether of a value or of a bound
+  const double worst = (lower - values)
+                           .cwiseMax<kNan>(values - upper)
+                           .maxCoeff<kNan>();
+  return worst <= 0.0 ? 0.0 : worst;
 }
 
 }  // namespace
@@ -80,11 +78,7 @@ void Bounds::evaluate(const Eigen::Ref<const Vector>& y,
 }
 
 bool Bounds::inside() const {
-  bool fine = balanced();
-  for (Index i = 0; i < count(); ++i) {  // false for NaN
-    fine = fine && lower_[i] <= values_[i] && values_[i] <= upper_[i];
-  }
-  return fine;
+  return balanced() && violation() <= 0.0;
 }
 
 double Bounds::violation() const { return outside(values_, lower_, upper_); }

@@ -5,6 +5,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <array>
 #include <cstdint>
 #include <stdexcept>
 
@@ -90,9 +91,40 @@ class Buffer {
   nb::object copy_;
 };
 
+// What every NumPy array begins with (PyArrayObject_fields in its ABI, since 1.0 and in 2.x).
+struct ArrayFields {
+  PyObject_HEAD
+  char* data;
+  int axes;
+  Py_ssize_t* shape;
+  Py_ssize_t* strides;
+  PyObject* base;
+  PyObject* type;  // of its numbers
+  int flags;
+};
+
+// The fields of a NumPy array of float64 as the core reads them, C-contiguous and aligned; nullptr
+// for any other object. The buffer protocol takes ten times as long: it writes the type as text.
+inline const ArrayFields* array_fields(nb::handle array) {
+  static PyObject* const kind =
+      nb::module_::import_("numpy").attr("ndarray").inc_ref().ptr();  // for good
+  static PyObject* const number =
+      nb::module_::import_("numpy").attr("dtype")(Kind<double>::name).release().ptr();
+  constexpr int kContiguous = 0x1, kAligned = 0x100;
+  if (reinterpret_cast<PyObject*>(Py_TYPE(array.ptr())) != kind) return nullptr;
+  const auto* fields = reinterpret_cast<const ArrayFields*>(array.ptr());
+  const bool fits = fields->type == number && fields->flags & kContiguous &&
+                    fields->flags & kAligned;
+  return fits ? fields : nullptr;
+}
+
 // Memory of an array of `size` doubles one behind the other, which lives as long as the array;
 // nullptr for any other object.
 inline const double* memory_of(nb::handle array, Index size) {
+  if (const ArrayFields* fields = array_fields(array)) {
+    const bool fits = fields->axes == 1 && fields->shape[0] == size;
+    return fits ? reinterpret_cast<const double*>(fields->data) : nullptr;
+  }
   Py_buffer buffer;
   if (PyObject_GetBuffer(array.ptr(), &buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
     PyErr_Clear();
@@ -124,31 +156,38 @@ struct In : Buffer<double> {
   bool given_ = false;
 };
 
-// A new array; `take` hands it over.
+// A new array.
 class NewArray {
  public:
-  explicit NewArray(Index size) : NewArray(nb::int_(size)) {}
-  NewArray(Index rows, Index cols) : NewArray(nb::make_tuple(rows, cols)) {}
-  NewArray(Index blocks, Index rows, Index cols) : NewArray(nb::make_tuple(blocks, rows, cols)) {}
+  explicit NewArray(Index size) : NewArray(nb::int_(size), {1, size, 1}) {}
+  NewArray(Index rows, Index cols) : NewArray(nb::make_tuple(rows, cols), {1, rows, cols}) {}
+  NewArray(Index blocks, Index rows, Index cols)
+      : NewArray(nb::make_tuple(blocks, rows, cols), {blocks, rows, cols}) {}
 
-  double* data() const { return static_cast<double*>(buffer_.data()); }
-  Eigen::Map<Vector> vector() const { return {data(), buffer_.size()}; }
-  Eigen::Map<Matrix> matrix() const { return {data(), buffer_.shape(0), buffer_.shape(1)}; }
+  double* data() const { return data_; }
+  Eigen::Map<Vector> vector() const { return {data_, shape_[0] * shape_[1] * shape_[2]}; }
+  Eigen::Map<Matrix> matrix() const { return {data_, shape_[1], shape_[2]}; }
   const nb::object& object() const { return array_; }
 
  private:
-  explicit NewArray(nb::object shape) {
+  NewArray(const nb::object& shape, std::array<Index, 3> sizes) : shape_(sizes) {
     static PyObject* const empty =
         nb::module_::import_("numpy").attr("empty").inc_ref().ptr();  // for good
     PyObject* argument = shape.ptr();
     array_ = nb::steal(PyObject_Vectorcall(empty, &argument, 1, nullptr));
     if (!array_.is_valid()) throw nb::python_error();
-    buffer_.take_writable(array_, nb::isinstance<nb::tuple>(shape)
-                                      ? static_cast<int>(nb::len(shape)) : 1);
+    if (const ArrayFields* fields = array_fields(array_)) {
+      data_ = reinterpret_cast<double*>(fields->data);
+      return;
+    }
+    Buffer<double> buffer;  // it stays where it is while the array lives
+    buffer.take_writable(array_, PyTuple_Check(argument) ? static_cast<int>(nb::len(shape)) : 1);
+    data_ = buffer.data();
   }
 
   nb::object array_;
-  Buffer<double> buffer_;
+  std::array<Index, 3> shape_;
+  double* data_ = nullptr;
 };
 
 inline nb::object new_array_of(const Eigen::Ref<const Vector>& values) {

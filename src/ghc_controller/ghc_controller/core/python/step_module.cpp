@@ -86,7 +86,7 @@ class HeldStep {
     clock_ = std::move(clock);
     effort_ = {bounded, of_qp, of_step,
                {clock_.is_none() ? nullptr : nb::cast<Clock*>(clock_), end}};
-    return loose(make(position.data(), velocity.data(), anchor.data(), time));
+    return loose(make(position.data(), velocity.data(), anchor.data(), time, now()));
   }
 
   // See native.pyi.
@@ -102,15 +102,13 @@ class HeldStep {
     shares_ = std::move(shares);
     Deadline& deadline = effort_.deadline;
     if (deadline.clock) deadline.end = deadline.clock->now() + allowed;
-    const Found found = make(position, velocity, before, time);
+    const Found found = make(position, velocity, before, time, begin);
     if (!found.complete || !found.within || found.gave_way || !(found.excess <= kCounted)) {
       return loose(found);
     }
-    const nb::object torque = part(found, 2);
-    const Index joints = gate_.joints();
-    anchor_.keep(found.numbers + tree.nv() + joints, joints, time);
+    anchor_.keep(found.sent, gate_.joints(), time);
     const nb::tuple none;
-    return named_tuple(answer_[0], time, torque, nb::object(answer_[2]), solution(found), none,
+    return named_tuple(answer_[0], time, found.gated, nb::object(answer_[2]), solution(found), none,
                        none, found.terms, found.solve, seconds(begin, now()));
   }
 
@@ -122,12 +120,11 @@ class HeldStep {
     Index done = 0, pivots = 0;
     bool complete = false, gave_way = false, within = false;
     double excess = 0.0, terms = 0.0, solve = 0.0;
-    nb::object room;  // x (n,), the torque (a,) of the blend, and that of the gate: an array
-    const double* numbers = nullptr;  // of it
+    nb::object x, torque, gated;  // (n,), (a,) of the blend, and (a,) of the gate
+    const double* sent = nullptr;  // memory of the last one
   };
 
-  Found make(const double* q, const double* v, const double* before, double time) {
-    const Time begin = now();
+  Found make(const double* q, const double* v, const double* before, double time, Time begin) {
     const Index n = model_.tree.nv(), a = gate_.joints();
     Found found;
     mixture_.take(orders_, shares_, problem_.jacobian.rows);
@@ -141,12 +138,11 @@ class HeldStep {
     found.complete = found.done == static_cast<Index>(mixture_.orders().size());
     if (!found.complete) return found;
     const Mixture& answer = mixture_.mixture();
-    const NewArray room(n + 2 * a);
-    double* out = room.data();
-    found.room = room.object(), found.numbers = out;
-    Eigen::Map<Vector>(out, n) = answer.acceleration();
-    Eigen::Map<Vector>(out + n, a) = answer.torque();
-    found.excess = gate_.follow({out + n, a}, before, out + n + a);
+    const NewArray x(n), torque(a), gated(a);
+    x.vector() = answer.acceleration(), torque.vector() = answer.torque();
+    found.excess = gate_.follow({torque.data(), a}, before, gated.data());
+    found.x = x.object(), found.torque = torque.object(), found.gated = gated.object();
+    found.sent = gated.data();
     qps_ = 0;
     for (const Cascade* order : mixture_.orders()) {
       found.pivots += order->pivots(), qps_ += order->qps();
@@ -160,30 +156,17 @@ class HeldStep {
   nb::tuple loose(const Found& found) {
     return nb::make_tuple(found.done, found.pivots, qps_, found.gave_way, found.within,
                           found.excess, found.terms, found.solve,
-                          found.complete ? part(found, 2) : nb::none(),
+                          found.complete ? found.gated : nb::none(),
                           found.complete ? solution(found) : nb::none());
   }
 
   nb::object solution(const Found& found) {
     const Mixture& answer = mixture_.mixture();
     const nb::object none = nb::none();
-    return named_tuple(answer_[1], part(found, 0), nb::object(answer_[4]), part(found, 1),
+    return named_tuple(answer_[1], found.x, nb::object(answer_[4]), found.torque,
                        nb::object(answer_[3]), answer.qp_solved(), answer.violation(), 0.0,
                        answer.pivots(), none, none, none, false, 0.0, 0, answer.violation(),
                        no_reason_);
-  }
-
-  // A view of one of the three arrays in the room.
-  nb::object part(const Found& found, size_t which) {
-    if (!slices_[which].is_valid()) {
-      const Index n = model_.tree.nv(), a = gate_.joints();
-      const Index ends[] = {0, n, n + a, n + 2 * a};
-      slices_[which] = nb::slice(nb::int_(ends[which]), nb::int_(ends[which + 1]), nb::none());
-    }
-    nb::object made = nb::steal(PyObject_GetItem(found.room.ptr(),
-                                                 slices_[which].ptr()));
-    if (!made.is_valid()) throw nb::python_error();
-    return made;
   }
 
   // The boxes at the last update of the model; whether one of them gave way.
@@ -210,7 +193,7 @@ class HeldStep {
   HeldMixture& mixture_;
   HeldAnchor& anchor_;
   nb::tuple answer_;  // StepResult, Solution, their status where solved, and no force
-  nb::object slices_[3], no_reason_ = nb::str("");
+  nb::object no_reason_ = nb::str("");
   Problem problem_;
   nb::tuple orders_, shares_;  // and the rest: of the last `run`
   nb::object clock_;

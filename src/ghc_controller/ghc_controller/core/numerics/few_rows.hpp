@@ -1,0 +1,83 @@
+// Products and substitutions with few rows, as most tasks and active sets have.
+//
+// A call of Eigen's general product or triangular solver takes longer than the sums of three rows
+// and a few dozen columns; loops over rows do without it. From kFew rows on Eigen is faster.
+#pragma once
+
+#include "matrix.hpp"
+
+namespace ghc {
+
+constexpr Index kFew = 10;
+
+// out (m,) = rows (m, d) times x (d,); `out` may be longer.
+template <typename Rows, typename Values>
+void times(const Rows& rows, const Values& x, Vector& out) {
+  const Index m = rows.rows(), d = rows.cols();
+  const ConstVector values(x.data(), d);
+  if (m > kFew) {
+    out.head(m).noalias() = rows * values;
+    return;
+  }
+  for (Index r = 0; r < m; ++r) out[r] = ConstVector(rows.row(r).data(), d).dot(values);
+}
+
+// out (d,) += sign rows^T weights, of the first m weights.
+template <typename Rows, typename Values>
+void add_rows(const Rows& rows, const Vector& weights, double sign, Values& out) {
+  const Index m = rows.rows(), d = rows.cols();
+  Eigen::Map<Vector> sum(out.data(), d);
+  if (m > kFew) {
+    sum.noalias() += sign * (rows.transpose() * weights.head(m));
+    return;
+  }
+  for (Index r = 0; r < m; ++r) {
+    sum += (sign * weights[r]) * ConstVector(rows.row(r).data(), d);
+  }
+}
+
+// x = R^-1 x of the first m entries, with R (m, m) the upper triangle in the corner of a matrix.
+inline void divide_by_upper(const Matrix& upper, Index m, Vector& x) {
+  for (Index i = m - 1; i >= 0; --i) {
+    double met = 0.0;
+    for (Index c = i + 1; c < m; ++c) met += upper(i, c) * x[c];
+    x[i] = (x[i] - met) / upper(i, i);
+  }
+}
+
+// x = R^-T x, alike.
+inline void divide_by_upper_transposed(const Matrix& upper, Index m, Vector& x) {
+  for (Index i = 0; i < m; ++i) {
+    x[i] /= upper(i, i);
+    for (Index c = i + 1; c < m; ++c) x[c] -= upper(i, c) * x[i];
+  }
+}
+
+// x = L^-1 x, with L the lower triangle of a square matrix.
+inline void divide_by_lower(const Matrix& lower, Vector& x) {
+  const Index m = lower.rows();
+  if (m > kFew) {
+    lower.triangularView<Eigen::Lower>().solveInPlace(x);
+    return;
+  }
+  for (Index i = 0; i < m; ++i) {
+    double met = 0.0;
+    for (Index c = 0; c < i; ++c) met += lower(i, c) * x[c];
+    x[i] = (x[i] - met) / lower(i, i);
+  }
+}
+
+// x = L^-T x, alike.
+inline void divide_by_lower_transposed(const Matrix& lower, Vector& x) {
+  const Index m = lower.rows();
+  if (m > kFew) {
+    lower.transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+    return;
+  }
+  for (Index i = m - 1; i >= 0; --i) {
+    x[i] /= lower(i, i);
+    for (Index c = 0; c < i; ++c) x[c] -= x[i] * lower(i, c);
+  }
+}
+
+}  // namespace ghc
