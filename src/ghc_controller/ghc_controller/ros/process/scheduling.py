@@ -29,7 +29,9 @@ class Scheduling:
         False, "keep all memory of the process in RAM, needs the permission (`ulimit -l`)"
     )
     cpu: int = parameter(
-        -1, "number of the processor to run on; -1 = those it was started on", Range(minimum=-1.0)
+        -1,
+        "[-] number of the processor to run on; -1 = those it was started on",
+        Range(minimum=-1.0),
     )
 
     def apply(self) -> None:
