@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from reference.least_distance import least_squares
-from reference.smooth_twin import KD, Reduced, level, reduced, rows_of_levels, torque
+from reference.smooth_twin import KD, Reduced, level, reduced, rows_left, rows_of_levels, torque
 
 from ghc_controller.formulations import ControlProblem
 from ghc_controller.types import Array
@@ -62,7 +62,7 @@ def _of_order(
     problem: ControlProblem, terms: Reduced, rows: _Rows, alpha: Array
 ) -> tuple[Array, Array, int]:
     Z, x0 = terms.Z, terms.x0
-    J, b = problem.jacobian @ Z, problem.target - problem.jacobian @ x0
+    J, b = rows_left(problem, terms)
     d, p = Z.shape[1], terms.free.shape[1]
     y, q, qps = Z.T @ (-KD * problem.velocity), np.zeros(p), 0
     above = np.zeros((0, d))

@@ -61,10 +61,18 @@ def reduced(problem: ControlProblem) -> Reduced:
     return Reduced(x0, Z, f0 + least @ (h[:u] - on_base @ f0), least @ M[:u], free)
 
 
+def rows_left(problem: ControlProblem, terms: Reduced) -> tuple[Array, Array]:
+    """J Z and b - J x0 (m,); rows that the contacts hold, to 1e-8 of their length, ask nothing."""
+    J, b = problem.jacobian @ terms.Z, problem.target - problem.jacobian @ terms.x0
+    left, length = (np.linalg.norm(rows, axis=1) for rows in (J, problem.jacobian))
+    moves = left > 1e-8 * length if problem.contacts is not None else np.full(len(b), True)
+    return np.where(moves[:, None], J, 0.0), np.where(moves, b, 0.0)
+
+
 def _of_order(problem: ControlProblem, alpha: Array) -> tuple[Array, Array, Array]:
     terms = reduced(problem)
     Z, x0 = terms.Z, terms.x0
-    J, b = problem.jacobian @ Z, problem.target - problem.jacobian @ x0
+    J, b = rows_left(problem, terms)
     y = Z.T @ (-KD * problem.velocity)
     above = np.zeros((0, Z.shape[1]))
     for rows in rows_of_levels(problem, alpha):

@@ -24,10 +24,6 @@ _REACHED = (0.8, 0.4)  # [-] of the torque beside what holds the robot: bounds t
 _PUSH = 2.0  # [m/s^2], [rad/s^2] standard deviation of what is added to targets
 # Torque: without bounds relative, with them in Nm or from the optimum of every level.
 _FREE, _BOUNDED = 1e-10, 1e-6
-# The core loses digits where rows of several levels nearly depend on each other: its soft null
-# spaces come from a Cholesky factor of S S^T + e^2 I. The twin in extended precision has its own
-# answer to 1e-12 rad/s^2 there, and the core's to 1e-6; bounds that are met multiply that.
-_NEARLY_DEPENDENT = {"stand_up": (1e-8, 1e-3)}
 
 by_file = pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
 
@@ -56,40 +52,35 @@ def test_without_bounds_the_core_is_the_twin(path: Path) -> None:
         assert found.status is SolutionStatus.SOLVED
         assert not found.qp_solved
         *_, torque = twin_answer(problem)
-        assert apart(found.torque, torque) < _tolerance(path)[0]
+        assert apart(found.torque, torque) < _FREE
 
 
 @by_file
 def test_at_its_bounds_the_core_is_the_twin(path: Path) -> None:
     """As recorded, and pushed against torque limits that are reached. Seed 7."""
-    tolerance = _tolerance(path)[1]
     for problem in _problems(path):
-        assert _is_twin(problem, tolerance) is not None
+        assert _is_twin(problem) is not None
     rng = np.random.default_rng(7)
     qps = [
-        _is_twin(_limited(problem, rng, share), tolerance)
+        _is_twin(_limited(problem, rng, share))
         for problem in _problems(path)
         for share in _REACHED
     ]
     assert sum(each is not None and each > 0 for each in qps) >= len(qps) / 2
 
 
-def _tolerance(path: Path) -> tuple[float, float]:
-    return _NEARLY_DEPENDENT.get(path.stem, (_FREE, _BOUNDED))
-
-
-def _is_twin(problem: ControlProblem, tolerance: float) -> int | None:
+def _is_twin(problem: ControlProblem) -> int | None:
     """Assert that core and twin agree; QPs of the twin, None where the bounds conflict."""
     found = _solve(replace(problem, torque=problem.torque_limit))
     if found.status is not SolutionStatus.SOLVED:
         return None
     answer = bounded_answer(problem)
-    if np.abs(found.torque - answer.torque).max() > tolerance:
+    if np.abs(found.torque - answer.torque).max() > _BOUNDED:
         for candidate in problem.priorities.candidates:
             for rows in rows_of_levels(problem, candidate.alpha):
                 J, b = problem.jacobian[rows], problem.target[rows]
                 misses = [float(np.linalg.norm(J @ x - b)) for x in (found.acceleration, answer.x)]
-                assert abs(misses[0] - misses[1]) < tolerance * max(1.0, misses[1])
+                assert abs(misses[0] - misses[1]) < _BOUNDED
     return answer.qps
 
 
