@@ -24,6 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     import ghc_controller as ghc
     from benchmarks.loops.realtime_bench import run_realtime
     from benchmarks.peers.session import run_peers
+    from benchmarks.peers.tails import run_tails
     from benchmarks.steps.session import run_session
     from ghc_controller.ros.stop_signals import interrupt_on_stop_signals
     from tools.workspace.errors import SetupError
@@ -32,6 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.only == "peers":
             run_peers(ROOT, options.output, quick=options.quick, write_docs=options.write_docs)
+        elif options.only == "tails":
+            run_tails(ROOT, options.output, quick=options.quick)
         elif options.only == "realtime":
             run_realtime(options.output, quick=options.quick)
         else:
@@ -50,9 +53,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--quick", action="store_true", help="a short run, to see that it works")
     parser.add_argument(
         "--only",
-        choices=("step", "standing", "mpc", "loop", "peers", "realtime"),
-        help="one of the benchmarks; peers (tsid and placo, installed by it) and realtime (beside "
-        "a bare loop) are part of no other",
+        choices=("step", "standing", "mpc", "loop", "peers", "tails", "realtime"),
+        help="one of the benchmarks; peers (tsid and placo, installed by it), tails (1e5 steps "
+        "of a case) and realtime (beside a bare loop) are part of no other",
     )
     parser.add_argument("--robot", choices=("kuka_lwr", "icub"), help="steps of one robot only")
     parser.add_argument("--output", type=Path, default=Path("results/bench"), metavar="DIR")

@@ -45,7 +45,7 @@ def main() -> None:
             cases[request["as"]] = (problem, side)
             answer = _watched(problem, side)
         else:
-            answer = _timed(*cases[request["run"]])
+            answer = dict(timed_once(*cases[request["run"]]))
         print(json.dumps(answer), flush=True)
 
 
@@ -62,7 +62,8 @@ def _watched(problem: PeerProblem, side: Side) -> dict[str, Any]:
     return {"torques": torques, **facts}
 
 
-def _timed(problem: PeerProblem, side: Side) -> dict[str, Any]:
+def timed_once(problem: PeerProblem, side: Side) -> dict[str, list[int]]:
+    """Times [ns] of one step at each state: `wall_ns` and `cpu_ns`."""
     wall, cpu = [], []
     for row in range(len(problem.q)):
         if problem.begins(row):

@@ -18,7 +18,7 @@ from ghc_sim_bridge.figures.style import COLOURS, new_figure, save_png, styled
 Row = dict[str, Any]
 
 _ORDER = ("ghc_full", "hqp", "weighted", "balanced", "ghc", "cascade")
-_TICKS = (20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000)  # [us]
+_TICKS = (2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000)  # [us]
 
 
 def plot_step_times(step: Sequence[Row], titles: dict[str, str], path: Path) -> None:

@@ -224,6 +224,21 @@ def test_the_loops_in_real_time_and_lockstep_are_counted_beside_bare_ones(tmp_pa
     assert all(0.0 <= found[name] <= 100.0 for name in ("lost_percent", "bare_lost_percent"))
 
 
+def test_the_slowest_of_many_steps_are_found(tmp_path: Path) -> None:
+    """In every case, in order of the percentiles, by the clock and by processor time."""
+    assert main(["--quick", "--only", "tails", "--output", str(tmp_path)]) == 0
+    rows = json.loads((tmp_path / "tails.json").read_text(encoding="utf-8"))["rows"]
+    assert len(rows) == 5
+    for row in rows:
+        assert row["steps"] >= 500
+        for kind in ("cpu", "wall"):
+            times = [
+                value for name, value in row.items() if name.startswith(kind) and "us" in name
+            ]
+            assert 0.0 < times[0] < times[-1]
+            assert times == sorted(times)
+
+
 def test_wrong_options_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["--only", "everything"])
