@@ -34,6 +34,7 @@ from ghc_controller.ros.modes import ModeServer
 from ghc_controller.ros.node_parameters import read_parameters
 from ghc_controller.ros.parameters import ControllerParameters
 from ghc_controller.ros.previews import PREVIEW_TOPIC, PreviewInbox
+from ghc_controller.ros.process.in_turns import in_turns
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS, PREVIEW_SUBSCRIBER_QOS
 from ghc_controller.ros.rejections import CONTROLLER, Rejections, warning
 from ghc_controller.ros.requests import RequestSubscriber
@@ -109,8 +110,8 @@ class ControllerNode:
         sender = f"{self.node.get_name()}_{uuid4().hex[:8]}"  # tells commanders apart
         self._encoder = JointStateEncoder(self._controller.model.joint_names, sender, motion=False)
         self._command = b""  # serialized, of the last answered state
-        self._publish_and_listen()
         self._old_clients = OldClients(self.node)
+        self._publish_and_listen()
         p.scheduling.apply()
         self.node.get_logger().info(
             f"{p.robot}: {len(self._controller.stack.tasks)} tasks, formulation "
@@ -134,9 +135,10 @@ class ControllerNode:
         )
         take: Callable[[Any], None] = tolerant(self._previews.take, PREVIEW_TOPIC, self._reject)
         node.create_subscription(ConstraintPreviews, PREVIEW_TOPIC, take, PREVIEW_SUBSCRIBER_QOS)
-        wall = RosClock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+        look = self._look_for_old_clients
+        in_turns(node, DIAGNOSTICS_PERIOD, self._publish_diagnostics, look, look)
         if not p.lockstep:
+            wall = RosClock(clock_type=ClockType.STEADY_TIME)
             node.create_timer(IDLE_PERIOD, self._on_idle, clock=wall)
             # The request thread yields to the control thread within this time.
             sys.setswitchinterval(SWITCH_INTERVAL)
@@ -244,10 +246,12 @@ class ControllerNode:
         if time.monotonic() - self._answered_at > IDLE_PERIOD:
             self._requests.between_states()
 
-    def _publish_diagnostics(self) -> None:
+    def _look_for_old_clients(self) -> None:
         mismatch = self._old_clients.look()
         if mismatch:
             self.node.get_logger().warning(mismatch)
+
+    def _publish_diagnostics(self) -> None:
         modes = self._modes
         lasting = [self._previews.silent(self._now or 0.0)]
         if modes.mode is Mode.LATCHED:

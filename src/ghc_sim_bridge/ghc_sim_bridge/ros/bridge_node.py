@@ -35,6 +35,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from ghc_controller.ros.conversions.common import diagnostics_message
 from ghc_controller.ros.node_parameters import read_parameters
+from ghc_controller.ros.process.in_turns import in_turns
 from ghc_controller.ros.qos import (
     CLOCK_QOS,
     CONTROL_PUBLISHER_QOS,
@@ -197,7 +198,7 @@ class SimBridge:
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         wall = RosClock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(self._mode.tick_period, guarded(stop, self._on_tick), clock=wall)
-        node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=wall)
+        in_turns(node, DIAGNOSTICS_PERIOD, self._publish_diagnostics, self._look_for_others)
 
     def _on_tick(self) -> None:
         self._mode.tick()
@@ -227,9 +228,11 @@ class SimBridge:
         )
         return answer
 
-    def _publish_diagnostics(self) -> None:
+    def _look_for_others(self) -> None:
         self._young.look()
         self._clock.look()
+
+    def _publish_diagnostics(self) -> None:
         health = self._health.report(self._cycle, self._parameters.mode, self._mode)
         self._diagnostics.publish(
             diagnostics_message(
