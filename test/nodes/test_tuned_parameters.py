@@ -72,6 +72,7 @@ def test_what_can_change_changes_and_the_rest_is_refused_with_a_reason(
     assert client.set("tasks.elbow.stiffness", 2.0 * stiffness[0]) == ""
     assert client.set("tasks.elbow.damping", [20.0, 20.0, 16.0]) == ""
     assert client.set("tasks.elbow.damping", [20.0, 20.0]).endswith("one number or 3 expected")
+    assert "numbers >= 0 expected" in client.set("tasks.elbow.damping", "fast")
     assert client.set("regularization", 1) == "", "a whole number is as good"
     assert "above 0" in client.set("regularization", 0)
     assert client.get("regularization") == 1

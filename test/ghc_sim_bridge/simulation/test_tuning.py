@@ -163,3 +163,37 @@ def test_one_change_of_formulation_at_a_time_and_none_beside_a_paced_ramp() -> N
     controller.change_hierarchy("elbow > posture", duration=1.0, torque_rate=5.0)
     with pytest.raises(InvalidValue, match="a transition with a torque rate"):
         controller.tune({"formulation": "ghc"})
+
+
+def _moving() -> Controller:
+    """A controller that made a step, so that changes take their time."""
+    simulator, controller = Simulator("kuka_lwr", control_dt=DT, physics_dt=DT), _controller()
+    controller.start(simulator.state())
+    controller.step(simulator.state())
+    return controller
+
+
+def test_a_gain_is_checked_with_the_goal_of_its_partner_on_the_way() -> None:
+    controller = _moving()
+    controller.tune({"tasks.posture.damping": 1500.0})  # 2 d dt = 3 of the 4 that are possible
+    with pytest.raises(InvalidValue, match="diverges"):
+        controller.tune({"tasks.posture.stiffness": 2e6})  # k dt^2 = 2
+    controller.tuning.finish()
+    with pytest.raises(InvalidValue, match="diverges"):
+        controller.tune({"tasks.posture.stiffness": 2e6})
+
+
+def test_a_gain_that_still_falls_counts_with_what_it_is() -> None:
+    controller = _moving()
+    controller.tune({"tasks.posture.damping": 1500.0})
+    controller.tuning.finish()
+    controller.tune({"tasks.posture.damping": 10.0})
+    with pytest.raises(InvalidValue, match="diverges"):  # it would rise before that one falls
+        controller.tune({"tasks.posture.stiffness": 2e6}, 0.0)
+
+
+@pytest.mark.parametrize("value", ["fast", ["1", "x"], None, b"x", [[1.0], [2.0, 3.0]]])
+def test_a_gain_that_is_no_number_is_rejected(value: Any) -> None:
+    controller = _moving()
+    with pytest.raises(GhcError, match=r"tasks\.posture\.stiffness"):
+        controller.tune({"tasks.posture.stiffness": value})

@@ -70,12 +70,12 @@ class ChangeChecks:
         """What can be changed, by the names of parameters."""
         return self._names(self._controller.settings.formulation)
 
-    def check(self, values: Mapping[str, Any], handing_over: bool) -> Change:
+    def check(self, values: Mapping[str, Any], under_way: Mapping[str, Array | None]) -> Change:
         """What these values would change; nothing changes yet.
 
         Args:
             values: by the names of `names`; gains one number or one per row.
-            handing_over: a change of formulation is under way.
+            under_way: name -> goal of what still moves; None for a change of formulation.
 
         Raises:
             UnknownName, ConfigurationError: a name or value that is not known.
@@ -89,7 +89,7 @@ class ChangeChecks:
         self._check_names(given)
         settings = settings_with(given, controller.settings)
         goals = [(name, *self._gain(name, value)) for name, value in gains.items()]
-        self._check_sampled({name: goal for name, _, goal in goals})
+        self._check_sampled({name: goal for name, _, goal in goals}, under_way)
         for name in given:
             if name in WEIGHTS:
                 goal = np.array([getattr(settings.optimization, name)])
@@ -102,7 +102,10 @@ class ChangeChecks:
                 goals.append((name, dial, np.array(goal)))
         chosen = [name for name in given if name not in (*WEIGHTS, *LIMITS, "tuning_duration")]
         return Change(
-            given, tuple(goals), self._formulation(chosen, settings, handing_over), settings.own
+            given,
+            tuple(goals),
+            self._formulation(chosen, settings, "formulation" in under_way),
+            settings.own,
         )
 
     def _names(self, formulation: str) -> tuple[str, ...]:
@@ -127,18 +130,31 @@ class ChangeChecks:
     def _gain(self, name: str, value: Any) -> tuple[Dial, Array]:
         dial = dials.gain_dial(self._controller, name)
         size = len(dial.read())
-        numbers = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        try:
+            numbers = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        except (TypeError, ValueError) as error:  # parameters of gains may be of any type
+            raise InvalidValue(f"{name}: {value!r} given, numbers >= 0 expected") from error
         if numbers.shape not in ((1,), (size,)):
             raise InvalidValue(f"{name}: {value} given, one number or {size} expected")
         if not (np.isfinite(numbers).all() and (numbers >= 0.0).all()):
             raise InvalidValue(f"{name}: {value} given, numbers >= 0 expected")
         return dial, np.array(np.broadcast_to(numbers, (size,)))
 
-    def _check_sampled(self, goals: Mapping[str, Array]) -> None:
-        """Reject new gains that the control period cannot carry, each with its partner."""
+    def _check_sampled(
+        self, goals: Mapping[str, Array], under_way: Mapping[str, Array | None]
+    ) -> None:
+        """Reject new gains that the control period cannot carry, each with its partner.
+
+        One that moves counts with the larger of what it is and what it will be.
+        """
+
+        def largest(name: str) -> Array:
+            now, goal = dials.gain_dial(self._controller, name).read(), under_way.get(name)
+            return now if goal is None else np.maximum(now, goal)
+
         for task in {name.split(".")[1] for name in goals}:
             stiffness, damping = (
-                goals.get(name, dials.gain_dial(self._controller, name).read())
+                goals[name] if name in goals else largest(name)
                 for name in (f"tasks.{task}.{gain}" for gain in dials.GAINS)
             )
             dt = self._controller.settings.control_dt

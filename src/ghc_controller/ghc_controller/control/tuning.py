@@ -27,6 +27,7 @@ class _Move:
 
     to: Callable[[float], None]
     duration: float  # [s]
+    goal: Array | None = None  # of a dial
     begin: float | None = None  # [s]; None = at the next step
 
 
@@ -53,7 +54,7 @@ class Tuning:
         Raises:
             UnknownName, ConfigurationError, InvalidValue: as ChangeChecks.check.
         """
-        return self._checks.check(values, "formulation" in self.moves)
+        return self._checks.check(values, {name: move.goal for name, move in self.moves.items()})
 
     def begin(self, change: Change, duration: float | None = None) -> None:
         """Begin a checked change at the next step; before the first one it holds at once.
@@ -77,7 +78,7 @@ class Tuning:
             controller.formulation = handover
             self.moves["formulation"] = _Move(self._hand_over(handover), span)
         for name, dial, goal in change.goals:
-            self.moves[name] = _Move(_between(dial, dial.read(), goal), span)
+            self.moves[name] = _Move(_between(dial, dial.read(), goal), span, goal)
         if not controller.has_stepped:
             self.finish()
 
