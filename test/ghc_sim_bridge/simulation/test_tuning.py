@@ -197,3 +197,13 @@ def test_a_gain_that_is_no_number_is_rejected(value: Any) -> None:
     controller = _moving()
     with pytest.raises(GhcError, match=r"tasks\.posture\.stiffness"):
         controller.tune({"tasks.posture.stiffness": value})
+
+
+def test_a_velocity_damping_that_the_period_cannot_carry_is_rejected() -> None:
+    """v+ = (1 - kd dt) v of motions that no task claims: with more the arm shakes at rest."""
+    controller = _moving()
+    controller.tune({"velocity_damping": 1.9 / DT})
+    with pytest.raises(InvalidValue, match=r"velocity_damping: 2500 given.*diverge"):
+        controller.tune({"velocity_damping": 2.5 / DT})
+    with pytest.raises(InvalidValue, match=r"velocity_damping: 2500 given.*diverge"):
+        Controller.for_robot("kuka_lwr", Settings.of(velocity_damping=2.5 / DT, control_dt=DT))

@@ -10,7 +10,7 @@ import numpy as np
 
 from ghc_controller.control import dials
 from ghc_controller.control.dials import LIMITS, WEIGHTS, Dial
-from ghc_controller.control.gain_check import check_gain
+from ghc_controller.control.gain_check import check_gain, check_velocity_damping
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_controller.formulations import (
     Formulation,
@@ -88,6 +88,7 @@ class ChangeChecks:
         given = {name: value for name, value in values.items() if name not in gains}
         self._check_names(given)
         settings = settings_with(given, controller.settings)
+        check_velocity_damping(settings.optimization.velocity_damping, settings.control_dt)
         goals = [(name, *self._gain(name, value)) for name, value in gains.items()]
         self._check_sampled({name: goal for name, _, goal in goals}, under_way)
         for name in given:

@@ -37,3 +37,18 @@ def check_gain(field: str, stiffness: Array, damping: Array, control_dt: float) 
             f"2 damping control_dt + stiffness control_dt^2 < 4 expected ({size[worst]:.3g} "
             "given): with more the sampled task diverges"
         )
+
+
+def check_velocity_damping(damping: float, control_dt: float) -> None:
+    """Reject a kd [1/s] that makes motions grow that no task claims.
+
+    x = -kd v, held over a period: v+ = (1 - kd dt) v.
+
+    Raises:
+        InvalidValue: says what was given and expected.
+    """
+    if not damping * control_dt < 2.0:
+        raise InvalidValue(
+            f"velocity_damping: {damping:g} given; less than 2 / control_dt = "
+            f"{2.0 / control_dt:g} 1/s expected: with more, motions that no task claims diverge"
+        )
