@@ -17,7 +17,11 @@ from ghc_controller.contacts import (
 )
 from ghc_controller.control.answer import Answer
 from ghc_controller.control.compiled_step import CompiledStep
-from ghc_controller.control.gain_check import check_gains, check_velocity_damping
+from ghc_controller.control.gain_check import (
+    check_gains,
+    check_obstacle_horizon,
+    check_velocity_damping,
+)
 from ghc_controller.control.judgment import Judgment
 from ghc_controller.control.problem_views import ProblemViews
 from ghc_controller.control.requests import Requests
@@ -74,6 +78,7 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         dt = self.settings.control_dt
         check_gains(robot.tasks, dt)
         check_velocity_damping(self.settings.optimization.velocity_damping, dt)
+        check_obstacle_horizon(self.settings.obstacle_horizon, dt)
         self.stack = TaskStack(robot.tasks, self.model.nv)
         self.contacts = ContactSet(
             robot.contacts, self.model.weight if self.model.floating_base else 0.0

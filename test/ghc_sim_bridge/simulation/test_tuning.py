@@ -207,3 +207,13 @@ def test_a_velocity_damping_that_the_period_cannot_carry_is_rejected() -> None:
         controller.tune({"velocity_damping": 2.5 / DT})
     with pytest.raises(InvalidValue, match=r"velocity_damping: 2500 given.*diverge"):
         Controller.for_robot("kuka_lwr", Settings.of(velocity_damping=2.5 / DT, control_dt=DT))
+
+
+def test_an_obstacle_horizon_that_the_period_cannot_carry_is_rejected() -> None:
+    """A row in force is a task with 2 / h^2 and 2 / h: with a shorter h the arm runs away."""
+    controller = _moving()
+    controller.tune({"obstacle_horizon": 1.4 * DT})
+    with pytest.raises(InvalidValue, match=r"obstacle_horizon: 0\.0013 given.*diverge"):
+        controller.tune({"obstacle_horizon": 1.3 * DT})
+    with pytest.raises(InvalidValue, match=r"obstacle_horizon: 0\.0013 given.*diverge"):
+        Controller.for_robot("kuka_lwr", Settings.of(obstacle_horizon=1.3 * DT, control_dt=DT))

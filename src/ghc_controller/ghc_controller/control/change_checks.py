@@ -10,7 +10,11 @@ import numpy as np
 
 from ghc_controller.control import dials
 from ghc_controller.control.dials import LIMITS, WEIGHTS, Dial
-from ghc_controller.control.gain_check import check_gain, check_velocity_damping
+from ghc_controller.control.gain_check import (
+    check_gain,
+    check_obstacle_horizon,
+    check_velocity_damping,
+)
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_controller.formulations import (
     Formulation,
@@ -89,6 +93,7 @@ class ChangeChecks:
         self._check_names(given)
         settings = settings_with(given, controller.settings)
         check_velocity_damping(settings.optimization.velocity_damping, settings.control_dt)
+        check_obstacle_horizon(settings.obstacle_horizon, settings.control_dt)
         goals = [(name, *self._gain(name, value)) for name, value in gains.items()]
         self._check_sampled({name: goal for name, _, goal in goals}, under_way)
         for name in given:

@@ -52,3 +52,19 @@ def check_velocity_damping(damping: float, control_dt: float) -> None:
             f"velocity_damping: {damping:g} given; less than 2 / control_dt = "
             f"{2.0 / control_dt:g} 1/s expected: with more, motions that no task claims diverge"
         )
+
+
+def check_obstacle_horizon(horizon: float, control_dt: float) -> None:
+    """Reject a horizon h [s] (delta t of eq. 4.2) whose row makes a distance diverge.
+
+    A row in force asks for d'' = 2 / h^2 (d_s - d) - 2 / h d': gains as in `check_gain`.
+
+    Raises:
+        InvalidValue: says what was given and expected.
+    """
+    if not 4.0 * control_dt * horizon + 2.0 * control_dt**2 < 4.0 * horizon**2:
+        raise InvalidValue(
+            f"obstacle_horizon: {horizon:g} given; more than (1 + sqrt(3)) / 2 control_dt = "
+            f"{(1.0 + 3.0**0.5) / 2.0 * control_dt:.4g} s expected: with less, the distance "
+            "diverges"
+        )
