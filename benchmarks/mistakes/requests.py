@@ -28,9 +28,9 @@ _REJECTED = (TransitionStatus.REJECTED, TaskReferenceStatus.REJECTED)
 
 
 class Desk:
-    """What receives requests in the controller node, in lockstep: it answers at once."""
+    """What receives requests in the controller node; in lockstep it answers at once."""
 
-    def __init__(self) -> None:
+    def __init__(self, lockstep: bool = True) -> None:
         """With the robot of the demo, at its first state."""
         controller = ghc.Controller.for_robot("kuka_lwr")
         modes = ModeLogic(Arming.AUTOMATIC, lambda: None)
@@ -38,8 +38,8 @@ class Desk:
         controller.observe(Simulator("kuka_lwr").state())
         self._callbacks: dict[type, Callable[[bytes], None]] = {}
         self.replies: list[Any] = []
-        self._desk = RequestSubscriber(self, controller, modes, True, self, self._reject)
-        self._desk.at(0.0)
+        self.subscriber = RequestSubscriber(self, controller, modes, lockstep, self, self._reject)
+        self.subscriber.at(0.0)
 
     def send(self, message: Any) -> str:
         """Reasons of the replies that reject a message, "" if it is accepted."""

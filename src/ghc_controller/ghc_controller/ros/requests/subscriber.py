@@ -127,7 +127,7 @@ class RequestSubscriber:
             if now is None or self._lockstep:
                 # Checked when applied, since the check depends on the state.
                 return partial(self._check_and_apply, topic, message)
-            return partial(self._apply, topic, message, self._checked(message, now))
+            return partial(self._apply_checked, topic, message, self._checked(message, now), now)
         except Exception as error:  # a message may be anything
             return partial(self._refuse_at, topic, message, str(error))
 
@@ -138,6 +138,19 @@ class RequestSubscriber:
             self._refuse(topic, message, str(error))
             return
         self._apply(topic, message, value, now)
+
+    def _apply_checked(
+        self,
+        topic: str,
+        message: Any,
+        value: Transition | ReferenceTrajectory,
+        checked_at: float,
+        now: float,
+    ) -> None:
+        if now < checked_at:  # the bridge was restarted meanwhile: its time is another one
+            self._check_and_apply(topic, message, now)
+        else:
+            self._apply(topic, message, value, now)
 
     def _checked(self, message: Any, now: float) -> Transition | ReferenceTrajectory:
         """The request as a value; GhcError if it is invalid or is rejected in this mode."""
