@@ -85,10 +85,10 @@ class CompiledStep:
             time, state.q, state.v, mixture[1], solver.step_time
         )
         if type(found) is StepResult:
-            solution = found.solution
-            solver.step_pivots = solution.iterations
-            if solution.qp_solved:
-                solver.qps += core.qps
+            if found.solution.qp_solved:
+                solver.account(found.solution.iterations, core.qps)
+            else:
+                solver.step_pivots = 0
         elif found is not None:
             self._rests = False
             solver.end = core.end
