@@ -9,7 +9,7 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.random_tasks import strict_matrix
-from ghc_controller.formulations import make_formulation
+from ghc_controller.formulations import Formulation, make_formulation
 from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array
 from ghc_sim_bridge import Simulator
@@ -52,14 +52,37 @@ def follow(controller: ghc.Controller, case: Case, duration: float, torque_rate:
     added, tick = 0.0, 0
     while tick * PERIOD < start + _LONGEST:
         before = schedule.in_force
-        torque = step(tick * PERIOD)
+        step(tick * PERIOD)
         if tick * PERIOD >= start - 0.5 * PERIOD:
-            frozen = judge.solve(replace(controller.problem(), priorities=before)).torque
-            added = max(added, float(np.abs(torque - frozen).max()) / PERIOD)
+            change = _by_shares(judge, controller.problem(), before, schedule.in_force)
+            added = max(added, float(np.abs(change).max()) / PERIOD)
             if not schedule.in_transition:
                 return Way((tick + 1) * PERIOD - start, added)
         tick += 1
     return Way(np.inf, added)
+
+
+def _by_shares(
+    judge: Formulation, problem: ghc.ControlProblem, before: Priorities, now: Priorities
+) -> Array:
+    """Change of torque (a,) [Nm] by the shares alone: every order is solved once.
+
+    The difference of two blends would hold that of two active sets as well: with ten tasks at
+    their bounds what the solver remembers moves the answer by up to 0.07 Nm, whatever the shares.
+    """
+    shares: dict[bytes, float] = {}
+    orders: dict[bytes, Array] = {}
+    for priorities, sign in ((now, 1.0), (before, -1.0)):
+        for candidate in priorities.candidates:
+            key = candidate.alpha.tobytes()
+            orders[key] = candidate.alpha
+            shares[key] = shares.get(key, 0.0) + sign * candidate.share
+    change = np.zeros(len(problem.torque.lower))
+    for key, share in shares.items():
+        if share:
+            alone = replace(problem, priorities=Priorities.of(orders[key]))
+            change += share * judge.solve(alone).torque
+    return change
 
 
 def shortest(controller: ghc.Controller, case: Case, budget: float, about: float) -> float:

@@ -135,8 +135,8 @@ def table(result: dict[str, Any]) -> str:
         f"(seed {result['facts']['seed']}), budgets of 10 to 1000 Nm/s at a control period of "
         "1 ms, raised where the ramp would take more than "
         f"{result['facts']['longest_s']} s. Added: the change of torque by the shares alone, "
-        "found by a second solve with the shares of the step before. Shortest: linear ramp of a "
-        "fixed duration that adds no more, by bisection. Median / p95 / max.\n\n"
+        "every order solved once more at the state of the step. Shortest: linear ramp of a fixed "
+        "duration that adds no more, by bisection. Median / p95 / max.\n\n"
         + markdown_table(
             [
                 "formulation",
