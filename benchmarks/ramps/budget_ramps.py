@@ -9,7 +9,7 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.random_tasks import strict_matrix
-from ghc_controller.formulations import Formulation, make_formulation
+from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array
 from ghc_sim_bridge import Simulator
@@ -63,7 +63,7 @@ def follow(controller: ghc.Controller, case: Case, duration: float, torque_rate:
 
 
 def _by_shares(
-    judge: Formulation, problem: ghc.ControlProblem, before: Priorities, now: Priorities
+    judge: ghc.Formulation, problem: ghc.ControlProblem, before: Priorities, now: Priorities
 ) -> Array:
     """Change of torque (a,) [Nm] by the shares alone: every order is solved once.
 
