@@ -2,7 +2,7 @@
 
 In lockstep: wall time of a cycle of bridge and controller, over that of two bare rclpy nodes. In
 real time at 1 kHz: periods without a new command, beside those of the bare nodes at the same
-priority. Both loops run in turns.
+priority, all of them on the processor that stalls least. Both loops run in turns.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 import ghc_controller as ghc
+from benchmarks.loops.stalls import PRIORITY, calmest_processor
 from benchmarks.machine import load_average, machine_facts
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.ros.experiment_nodes import executable_of
@@ -28,7 +29,6 @@ from ghc_sim_bridge.run.domain import DomainLock
 from ghc_sim_bridge.run.processes import NodeProcesses
 
 PERIOD = 1e-3  # [s]
-PRIORITY = 80  # under SCHED_FIFO, of all nodes
 _ROBOT = "kuka_lwr"
 _SETTLING = 500  # [-] cycles at the start
 _DISCOVERY = 10.0  # [s] at most until the controller answers
@@ -42,31 +42,34 @@ def run_realtime(output: Path, *, quick: bool) -> dict[str, Any]:
     duration, rounds = _QUICK if quick else _FULL
     found: dict[str, list[float]] = {name: [] for name in ("bare", "stack", "bare_lost", "lost")}
     before, priority = load_average(), PRIORITY if may_be_realtime() else 0
+    cpu = calmest_processor(priority)
     for number in range(rounds):
         print(f"bench: real time, {number + 1} of {rounds}", file=sys.stderr, flush=True)
-        bare = _ping_pong(output, min(duration, _LOCKSTEP), 0.0, 0)
+        bare = _ping_pong(output, min(duration, _LOCKSTEP), 0.0, 0, None)
         found["bare"].append(bare["seconds"] / bare["rounds"])
         found["stack"].append(_lockstep_cycle(output, min(duration, _LOCKSTEP)))
-        bare = _ping_pong(output, duration, PERIOD, priority)
+        bare = _ping_pong(output, duration, PERIOD, priority, cpu)
         found["bare_lost"].append(bare["lost"] / (duration / PERIOD))
-        found["lost"].append(_lost(output, duration, priority))
+        found["lost"].append(_lost(output, duration, priority, cpu))
     middle = {name: float(np.median(values)) for name, values in found.items()}
     results = {
         "machine": machine_facts(),
         "load_average": {"before": before, "after": load_average()},
         "duration": duration,
         "priority": priority,
+        "cpu": cpu,
         "runs": found,
         "lockstep_ratio": round(middle["stack"] / middle["bare"], 3),
         "lost_percent": round(100.0 * middle["lost"], 4),
         "bare_lost_percent": round(100.0 * middle["bare_lost"], 4),
     }
     cycle, bare_cycle = 1e6 * middle["stack"], 1e6 * middle["bare"]
+    lost, bare_lost = results["lost_percent"], results["bare_lost_percent"]
     print(
         f"\nLockstep, KUKA: {cycle:.0f} us a cycle, bare {bare_cycle:.0f} us: ratio "
         f"{results['lockstep_ratio']:.2f}\n"
-        f"1 kHz, priority {priority}: {results['lost_percent']:.3f} % of periods without a new "
-        f"command, bare {results['bare_lost_percent']:.3f} % (medians of {rounds} runs)"
+        f"1 kHz, priority {priority}, cpu {cpu}: {lost:.3f} % of periods without a new command, "
+        f"bare {bare_lost:.3f} % (medians of {rounds} runs)"
     )
     output.mkdir(parents=True, exist_ok=True)
     (output / "realtime.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
@@ -95,14 +98,17 @@ def _domain(folder: Path) -> Iterator[tuple[int, dict[str, str]]]:
         domain.release()
 
 
-def _ping_pong(folder: Path, duration: float, period: float, priority: int) -> dict[str, float]:
+def _ping_pong(
+    folder: Path, duration: float, period: float, priority: int, cpu: int | None
+) -> dict[str, float]:
     result = folder / "ping.json"
     result.unlink(missing_ok=True)
     command = [sys.executable, "-m", "benchmarks.loops.ping_pong"]
     ending = ["--priority", str(priority)]
     with _domain(folder) as (number, environment):
         # In turns on one processor, as the nodes of the stack.
-        cpus = None if period else lockstep_placement(("sim_bridge",), number).get("sim_bridge")
+        in_turns = lockstep_placement(("sim_bridge",), number).get("sim_bridge")
+        cpus = in_turns if cpu is None else {cpu}
 
         def start(*arguments: str) -> subprocess.Popen[bytes]:
             process = subprocess.Popen([*command, *arguments, *ending], env=environment)
@@ -130,14 +136,15 @@ def _lockstep_cycle(folder: Path, duration: float) -> float:
     return float(log.cycle_time[_SETTLING:].mean())
 
 
-def _lost(folder: Path, duration: float, priority: int) -> float:
+def _lost(folder: Path, duration: float, priority: int, cpu: int) -> float:
     """Share of periods without a new command: none came, or the state had none of its own.
 
     Noise on the measured velocities makes every command another one.
     """
     noise = {"disturbance_seed": 1, "disturbance_push": 0.0, "disturbance_mass": 0.0}
     mode = {"mode": "realtime", **noise}
-    log = _run(folder, duration + _DISCOVERY, {"realtime_priority": priority}, mode)
+    both = {"realtime_priority": priority, "cpu": cpu}
+    log = _run(folder, duration + _DISCOVERY, both, mode)
     given = np.flatnonzero(np.isfinite(log.commanded[:, 0]))
     periods = round(duration / PERIOD)
     if not len(given) or len(log.commanded) < given[0] + _SETTLING + periods:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from ghc_controller.errors import ConfigurationError
 from ghc_controller.safety.torque_gate import TorqueGate
 from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.bridge.cycle import ControlCycle
-from ghc_sim_bridge.logs.full_rate_log import INITIAL_ROWS, FullRateLog, FullRateLogBuffer, Source
+from ghc_sim_bridge.logs.full_rate_log import BLOCK_ROWS, FullRateLog, FullRateLogBuffer, Source
 from ghc_sim_bridge.simulation.simulator import Simulator
 
 SCENE = "kuka_lwr"
@@ -65,7 +66,7 @@ def test_log_rows_are_states_with_the_torque_applied_from_there(tmp_path: Path) 
 
 def test_log_grows_without_losing_rows() -> None:
     buffer = FullRateLogBuffer(["a"], ["tool"], 1e-3)
-    rows = INITIAL_ROWS + 3
+    rows = BLOCK_ROWS + 3
     for k in range(rows):
         vector = np.array([float(k)])
         buffer.append(k * 1e-3, 0.0, (vector,) * 5, {"tool": np.full(6, k)}, Source.COMMAND, k % 7)
@@ -73,6 +74,24 @@ def test_log_grows_without_losing_rows() -> None:
     np.testing.assert_array_equal(columns["q"][:, 0], np.arange(rows))
     np.testing.assert_array_equal(columns["wrench_tool"][:, 5], np.arange(rows))
     np.testing.assert_array_equal(columns["epoch"], np.arange(rows) % 7)
+
+
+def test_no_row_of_a_long_log_costs_more_than_a_block() -> None:
+    """A copy of all rows would take several control periods."""
+    buffer = FullRateLogBuffer(["a"], [], 1e-3)
+    vector = np.zeros(1)
+    tracemalloc.start()
+    try:
+        peaks = []
+        for _ in range(20 * BLOCK_ROWS + 1):
+            held = tracemalloc.get_traced_memory()[0]
+            tracemalloc.reset_peak()
+            buffer.append(0.0, 0.0, (vector,) * 5, {}, Source.COMMAND, 0)
+            peaks.append(tracemalloc.get_traced_memory()[1] - held)
+    finally:
+        tracemalloc.stop()
+    block = BLOCK_ROWS * 8 * (2 + 5 + 1)
+    assert block < max(peaks) < 1.5 * block
 
 
 def test_a_reset_begins_the_next_epoch_at_a_whole_second_to_come() -> None:

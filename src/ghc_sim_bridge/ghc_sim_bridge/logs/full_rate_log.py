@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ghc_controller.errors import ConfigurationError
 from ghc_controller.types import Array
 
-INITIAL_ROWS = 1 << 14  # doubled when full, so that few cycles allocate
+BLOCK_ROWS = 1 << 10  # allocated in a fraction of a control period; one copy of all would not be
 WRENCH_PREFIX = "wrench_"
 _VECTORS = ("q", "v", "acceleration", "torque", "commanded")
 _BASE = {"base_pose": 7, "base_velocity": 6}
@@ -119,10 +119,10 @@ class FullRateLogBuffer:
             for name, size in _BASE.items():
                 self._base[name] = slice(width, width + size)
                 width += size
-        # One table: a row is contiguous in memory, and growing is one copy.
-        self._rows = np.empty((INITIAL_ROWS, width))
-        self._tags = np.empty((INITIAL_ROWS, 2), dtype=np.uint32)
+        self._width = width
+        self._blocks: list[tuple[Array, NDArray[np.uint32]]] = []  # rows, and their tags
         self._size = 0
+        self._grow()
 
     def __len__(self) -> int:
         return self._size
@@ -139,9 +139,11 @@ class FullRateLogBuffer:
     ) -> None:
         """Add a row; `vectors` are q, v, acceleration, torque, commanded, each (n,), and `base`
         is pose (7,) and velocity (6,) of a floating base."""
-        if self._size == len(self._rows):
+        place_in_block = self._size % BLOCK_ROWS
+        if self._size and not place_in_block:
             self._grow()
-        row = self._rows[self._size]
+        rows, tags = self._blocks[-1]
+        row = rows[place_in_block]
         row[0] = time
         row[1] = cycle_time
         for place, vector in zip(self._vectors, vectors, strict=True):
@@ -150,18 +152,19 @@ class FullRateLogBuffer:
             row[place] = wrenches[name]
         for place, vector in zip(self._base.values(), base, strict=True):
             row[place] = vector
-        tag = self._tags[self._size]
+        tag = tags[place_in_block]
         tag[0] = source
         tag[1] = epoch
         self._size += 1
 
     def _grow(self) -> None:
-        self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
-        self._tags = np.concatenate([self._tags, np.empty_like(self._tags)])
+        rows = np.empty((BLOCK_ROWS, self._width))
+        self._blocks.append((rows, np.empty((BLOCK_ROWS, 2), dtype=np.uint32)))
 
     def columns(self) -> dict[str, NDArray[np.generic]]:
         """The arrays of the .npz by name."""
-        rows, tags = self._rows[: self._size], self._tags[: self._size]
+        rows = np.concatenate([rows for rows, _ in self._blocks])[: self._size]
+        tags = np.concatenate([tags for _, tags in self._blocks])[: self._size]
         arrays: dict[str, NDArray[np.generic]] = {"time": rows[:, 0], "cycle_time": rows[:, 1]}
         arrays |= {
             name: rows[:, place] for name, place in zip(_VECTORS, self._vectors, strict=True)
