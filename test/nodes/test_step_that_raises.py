@@ -16,33 +16,79 @@ from ghc_controller.safety.modes import Arming, Mode, ModeLogic
 from ghc_controller.types import RobotState
 
 
-def test_the_state_of_a_step_that_raises_is_answered_by_braking(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    controller = ghc.Controller.for_robot("kuka_lwr")
-    names, q, v = controller.model.joint_names, np.full(7, 0.3), np.full(7, 0.2)
-    expected = ghc.Controller.for_robot("kuka_lwr").brake(RobotState(1.0, q, v))
-    logic, sent = ModeLogic(Arming.REQUEST, lambda: None), list[bytes]()
-    logic.started()
+def _node(controller: ghc.Controller, logic: ModeLogic, sent: list[bytes]) -> Any:
+    """A node without topics, whose mode is that of `logic`."""
+    names = controller.model.joint_names
     node: Any = ControllerNode.__new__(ControllerNode)
     node._controller, node._reader = controller, JointStateReader(names)
     node._encoder, node._mirror = JointStateEncoder(names, "", motion=False), None
     node._commands = SimpleNamespace(publish=sent.append)
     node._parameters = SimpleNamespace(lockstep=True)
-    node._modes = SimpleNamespace(mode=Mode.ACTIVE, logic=logic)
-    node._requests = SimpleNamespace(is_open=True, at=lambda _: None)
-    node._previews = SimpleNamespace(hand_over=lambda *_: None)
-    node._tuning = SimpleNamespace(at_state=lambda: None)
+    node._modes = SimpleNamespace(
+        logic=logic, begin=lambda _: logic.started(), stepped=lambda *_: None
+    )
+    logic._changed = lambda: setattr(node._modes, "mode", logic.mode)
+    node._modes.mode, node._resets = logic.mode, False
+    node._requests = SimpleNamespace(
+        is_open=True, at=lambda _: None, begin_run=lambda: None, tell=lambda _: None
+    )
+    node._previews = SimpleNamespace(hand_over=lambda *_: None, forget=lambda: None)
+    node._status = SimpleNamespace(reset=lambda: None, publish=lambda *_: None)
+    node._plausibility = SimpleNamespace(reset=lambda: None)
     node._states = SimpleNamespace(
         epoch=0, companions=lambda _: ({}, None), answered=lambda _: None
     )
+    return node
 
-    def mistake(_: RobotState) -> None:
+
+@pytest.mark.parametrize("method", ["step", "observe", "reset"])
+def test_the_state_of_a_mistake_is_answered_by_braking(
+    monkeypatch: pytest.MonkeyPatch, method: str
+) -> None:
+    """Of a plug-in: in a step, or where a run begins."""
+    controller = ghc.Controller.for_robot("kuka_lwr")
+    names, q, v = controller.model.joint_names, np.full(7, 0.3), np.full(7, 0.2)
+    expected = ghc.Controller.for_robot("kuka_lwr").brake(RobotState(1.0, q, v))
+    logic, sent = ModeLogic(Arming.REQUEST, lambda: None), list[bytes]()
+    logic.started()
+    node = _node(controller, logic, sent)
+
+    def mistake(*_: RobotState) -> None:
         raise ZeroDivisionError("a mistake")
 
-    monkeypatch.setattr(controller, "step", mistake)
-    none = np.zeros(0)
-    node.answer(JointStateValues(10**9, "", names, q, v, none), new_epoch=False)
-    assert (logic.mode, "a step raised ZeroDivisionError" in logic.reason) == (Mode.LATCHED, True)
+    first = JointStateValues(10**9, "", names, q, v, np.zeros(0))
+    with monkeypatch.context() as patch:
+        patch.setattr(controller, method, mistake)
+        node.answer(first, new_epoch=method != "step")
+    named = "a step raised" if method == "step" else "the beginning of a run raised"
+    assert logic.mode is Mode.LATCHED
+    assert f"{named} ZeroDivisionError: a mistake" in logic.reason
     (command,) = sent
     assert command == JointStateEncoder(names, "", motion=False).encode(10**9, expected)
+
+
+def test_a_reset_that_raised_is_due_until_it_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A controller that is half reset takes no step, also after the fault was reset."""
+    controller = ghc.Controller.for_robot("kuka_lwr")
+    names, q = controller.model.joint_names, np.full(7, 0.3)
+    logic, sent = ModeLogic(Arming.REQUEST, lambda: None), list[bytes]()
+    node = _node(controller, logic, sent)
+    calls: list[str] = []
+
+    def mistake() -> None:
+        calls.append("reset")
+        raise ZeroDivisionError("a mistake")
+
+    def values(stamp_ns: int) -> JointStateValues:
+        return JointStateValues(stamp_ns, "", names, q, np.zeros(7), np.zeros(0))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(controller, "reset", mistake)
+        node.answer(values(10**9), new_epoch=True)
+        logic.reset_fault()
+        node.answer(values(10**9 + 10**6), new_epoch=False)
+        assert (calls, logic.mode) == (["reset", "reset"], Mode.LATCHED)
+    logic.reset_fault()
+    node.answer(values(10**9 + 2 * 10**6), new_epoch=False)
+    assert (len(calls), logic.mode, len(sent)) == (2, Mode.HOLDING, 3)
+    assert not node._resets

@@ -105,6 +105,7 @@ class ControllerNode:
             self._reject,
         )
         self._status = StatusPublisher(self.node, self._controller, self._rejections, p.state_rate)
+        self._resets = False  # whether a run has begun for which the controller was not reset yet
         self._now: float | None = None  # [s] of the last state
         self._answered_at = 0.0  # [s] wall
         sender = f"{self.node.get_name()}_{uuid4().hex[:8]}"  # tells commanders apart
@@ -154,6 +155,7 @@ class ControllerNode:
     def answer(self, values: JointStateValues, new_epoch: bool) -> None:
         """Answer a complete state of the current run; `new_epoch`: the first one of a run."""
         controller, stamp_ns = self._controller, values.stamp_ns
+        self._resets |= new_epoch
         try:
             companions = self._states.companions(stamp_ns)
             state = self._reader.read(values, self._states.epoch, *companions)
@@ -165,11 +167,37 @@ class ControllerNode:
             self._plausibility.reset()
         if not self._is_plausible(state):
             return
-        begins = new_epoch or not self._requests.is_open
-        if new_epoch:
+        part = "the beginning of a run" if self._resets or not self._requests.is_open else "a step"
+        try:
+            self._get_ready(state, stamp_ns)
+            result = None if self._modes.mode is Mode.LATCHED else controller.step(state)
+        except Exception as error:
+            if not self._modes.logic.latches:
+                raise
+            self._modes.logic.fault(f"{part} raised {type(error).__name__}: {error}")
+            self._send(values, controller.brake(state))  # this state is answered as well
+            return
+        if result is None:
+            self._send(values, controller.brake(state))
+            self._requests.tell(controller.take_events())  # what the fault has ended
+            return
+        self._send(values, result.torque)
+        self._requests.tell(result.events)
+        self._status.publish(stamp_ns, self._states.epoch, result.status)
+        self._modes.stepped(state.time, result.status)
+
+    def _get_ready(self, state: RobotState, stamp_ns: int) -> None:
+        """Take in what belongs to a state: a new run, previews, requests.
+
+        A reset that raises, of a task or constraint of another package, is due until it has ended.
+        """
+        controller, resets = self._controller, self._resets
+        begins = resets or not self._requests.is_open
+        if resets:
             controller.reset()
             self._previews.forget()
             self._status.reset()
+            self._resets = False
         if begins:
             self._modes.begin(state.time)
         self._previews.hand_over(self._states.epoch, stamp_ns)
@@ -178,24 +206,8 @@ class ControllerNode:
         self._now = state.time
         self._answered_at = time.monotonic()
         self._requests.at(state.time)
-        if new_epoch:
+        if resets:
             self._requests.begin_run()
-        if self._modes.mode is Mode.LATCHED:
-            self._send(values, controller.brake(state))
-            self._requests.tell(controller.take_events())  # what the fault has ended
-            return
-        try:
-            result = controller.step(state)
-        except Exception as error:
-            if not self._modes.logic.latches:
-                raise
-            self._modes.logic.fault(f"a step raised {type(error).__name__}: {error}")
-            self._send(values, controller.brake(state))  # this state is answered as well
-            return
-        self._send(values, result.torque)
-        self._requests.tell(result.events)
-        self._status.publish(stamp_ns, self._states.epoch, result.status)
-        self._modes.stepped(state.time, result.status)
 
     def _send(self, values: JointStateValues, torque: Array) -> None:
         """Answer a state with a torque (a,) [Nm]."""
