@@ -42,7 +42,7 @@ from ghc_controller.qp import make_solver
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.report.report import StepResult, StepStatus
 from ghc_controller.report.reporting import Limits
-from ghc_controller.robot.library import load_robot
+from ghc_controller.robot.library import given_robot, load_robot
 from ghc_controller.robot.robot import Robot
 from ghc_controller.safety.gate import OutputGate
 from ghc_controller.settings import Settings, make_constraints
@@ -71,7 +71,7 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
             clock: where time is real: no further level begins after `step_time_share` of the
                 control period of it. None: a step depends on nothing but what it is given.
         """
-        self.robot = robot = robot.copy()  # another controller may have been made of it
+        self.robot = robot = given_robot(robot).copy()  # another controller may have been made of it
         self.settings = Settings.for_robot(robot) if settings is None else settings
         self.model = robot.model
         self.references = ReferenceSchedule(robot.tasks)

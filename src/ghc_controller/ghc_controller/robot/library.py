@@ -56,8 +56,32 @@ def load_robot(robot: str | Path) -> Robot:
     return found if isinstance(found, Robot) else load_robot_config(found)
 
 
-def _find(robot: str | Path) -> Path | Robot:
+def given_robot(given: object) -> Robot:
+    """A robot as it was given.
+
+    Raises:
+        ConfigurationError: something else was.
+    """
+    if isinstance(given, Robot):
+        return given
+    raise ConfigurationError(
+        f"{_brief(given)} given, a Robot expected: load_robot makes one of a name or path, "
+        "Controller.for_robot the controller as well"
+    )
+
+
+def _brief(given: object) -> str:
+    """A text itself, the type of anything else."""
+    return f"'{given}'" if isinstance(given, str | Path) else f"a {type(given).__name__}"
+
+
+def _find(robot: object) -> Path | Robot:
     """File of a robot, or the robot itself where a package writes it in Python."""
+    if not isinstance(robot, str | Path):
+        raise ConfigurationError(
+            f"{_brief(robot)} given, the name of a robot or a path expected"
+            + ("; Controller(robot) takes the robot itself" if isinstance(robot, Robot) else "")
+        )
     text = str(robot)
     if isinstance(robot, Path) or "/" in text or text.endswith((".yaml", ".yml")):
         return _at_path(Path(text).expanduser())
