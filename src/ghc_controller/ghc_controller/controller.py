@@ -71,7 +71,8 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
             clock: where time is real: no further level begins after `step_time_share` of the
                 control period of it. None: a step depends on nothing but what it is given.
         """
-        self.robot = robot = given_robot(robot).copy()  # another controller may have been made of it
+        # A copy, since another controller may have been made of it.
+        self.robot = robot = given_robot(robot).copy()
         self.settings = Settings.for_robot(robot) if settings is None else settings
         self.model = robot.model
         self.references = ReferenceSchedule(robot.tasks)

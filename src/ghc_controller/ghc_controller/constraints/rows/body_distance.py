@@ -225,8 +225,8 @@ class BodyDistance(Constraint):
             which = ", ".join(f"{a}-{b}" for a, b in self.touching)
             warnings.warn(
                 f"{self.name}: overlapping at the start and left out: {which} (obstacles until "
-                f"they are {self.influence:g} m beyond the margin); list them under 'excluded', or "
-                "give these bodies smaller shapes",
+                f"they are {self.influence:g} m beyond the margin); list them under 'excluded', "
+                "or give these bodies smaller shapes",
                 stacklevel=2,
             )
 
