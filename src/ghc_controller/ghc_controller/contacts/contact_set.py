@@ -171,9 +171,9 @@ class ContactSet:
         """False if the cost needs the forces of an active contact and has none yet."""
         return self._cost.knows(active)
 
-    def knows_candidates(self) -> bool:
-        """False if a candidate with its own cost on forces enters the mixture in this step."""
-        return self._cost.knows_candidates()
+    def entering(self) -> list[int]:
+        """Candidates of `begin` that have no forces of their own yet, if each has its own cost."""
+        return self._cost.entering()
 
     def advance(self) -> None:
         """Expand the cost of the next rows about the stored forces, at the same time."""

@@ -107,9 +107,9 @@ class ForceCost:
         stored = self._last[ALL]
         return all(last is not None for on, last in zip(active, stored, strict=True) if on)
 
-    def knows_candidates(self) -> bool:
-        """Whether each of `keys` was there in the step before; one that enters was not."""
-        return all(key in self._last for key in self.keys)
+    def entering(self) -> list[int]:
+        """Places in `keys` of candidates that were not there in the step before."""
+        return [place for place, key in enumerate(self.keys) if key not in self._last]
 
     def of(
         self,
