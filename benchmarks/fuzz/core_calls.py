@@ -128,6 +128,8 @@ def _of_levels(rng: np.random.Generator) -> list[Call]:
     return [
         (mixture.solve, [orders, shares, *motion, *limits, None, None, 0, *count, *time]),
         (mixture.answer, [int(rng.integers(0, 3)), True, 200, 200, *time]),
+        (native.Mixture.forces, [mixture]),
+        (mixture.reduced, [int(rng.integers(0, 3))]),
         (native.Anchor(0.02).note, [motion[3], 0.1]),
         (native.reduced, [*motion[:4], None, 0, False]),
         (native.null_motion, [motion[0][: n - 1], motion[1][: n - 1]]),

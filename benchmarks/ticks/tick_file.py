@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import ghc_controller as ghc
-from ghc_controller.formulations import AccelerationRows, ContactRows
+from ghc_controller.formulations import AccelerationRows, ContactRows, ForceExpansion
 from ghc_controller.hierarchy.priorities import Candidate, Priorities
 from ghc_controller.types import Array, Bounds
 
@@ -65,6 +65,11 @@ def _arrays(problem: ghc.ControlProblem) -> dict[str, Array]:
     if contacts is not None:
         arrays["sizes"][2] = contacts.bounds
         arrays |= {f"contacts/{name}": getattr(contacts, name) for name in _CONTACTS}
+        for index, cost in enumerate(contacts.of_candidates):
+            arrays |= {
+                f"contacts/{index}/center": cost.center,
+                f"contacts/{index}/factor": cost.factor,
+            }
     return arrays
 
 
@@ -84,6 +89,12 @@ def _problem(arrays: Mapping[str, Array]) -> ghc.ControlProblem:
         parts = {name: arrays[f"contacts/{name}"] for name in _CONTACTS}
         names = tuple(map(str, range(len(arrays["contacts/force_lower"]))))
         contacts = ContactRows(**parts, names=names, bounds=bounds)  # type: ignore[arg-type]
+        costs = (
+            ForceExpansion(arrays[f"contacts/{index}/center"], arrays[f"contacts/{index}/factor"])
+            for index in range(len(arrays["share"]))
+            if f"contacts/{index}/center" in arrays
+        )
+        contacts = contacts._replace(of_candidates=tuple(costs))
     mixture = zip(arrays["alpha"], arrays["share"].tolist(), strict=True)
     return ghc.ControlProblem(
         arrays["jacobian"],

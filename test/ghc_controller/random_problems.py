@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from ghc_controller.formulations import ContactRows, ControlProblem
+from ghc_controller.formulations import ContactRows, ControlProblem, ForceExpansion
 from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array, Bounds
 
@@ -72,6 +74,18 @@ def random_problem(
         contacts=rows,
         unactuated=unactuated,
     )
+
+
+def own_costs(rng: np.random.Generator, problem: ControlProblem) -> ControlProblem:
+    """The problem with another cost on contact forces for each candidate of its mixture."""
+    if problem.contacts is None:
+        return problem
+    c = len(problem.contacts.force_center)
+    costs = tuple(
+        ForceExpansion(rng.normal(size=c), (np.eye(c) + 0.3 * rng.normal(size=(c, c))) * 30.0)
+        for _ in problem.priorities.candidates
+    )
+    return replace(problem, contacts=problem.contacts._replace(of_candidates=costs))
 
 
 def _contact_rows(rng: np.random.Generator, n: int, contacts: int, bias: Array) -> ContactRows:

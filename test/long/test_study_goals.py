@@ -81,18 +81,7 @@ def test_long_chains_get_an_answer_within_the_cap(measured: dict[str, Found]) ->
         assert row["status"]["FAILED"] == row["beyond_cap"] == 0
 
 
-@pytest.mark.parametrize(
-    "robot",
-    [
-        "kuka_lwr",
-        pytest.param(
-            "icub",
-            marks=pytest.mark.xfail(
-                strict=True, reason="1.24 % in cycles, 1.22 % from order to order"
-            ),
-        ),
-    ],
-)
+@pytest.mark.parametrize("robot", ["kuka_lwr", "icub"])
 def test_ramps_are_linear(measured: dict[str, Found], robot: str) -> None:
     """Largest of 100 equal steps of the shares: 1.1 % of the change."""
     kinds = _run(measured, "ramp_shares")[robot].values()

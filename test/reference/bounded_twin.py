@@ -14,7 +14,16 @@ from typing import NamedTuple
 
 import numpy as np
 from reference.least_distance import least_squares
-from reference.smooth_twin import KD, Reduced, level, reduced, rows_left, rows_of_levels, torque
+from reference.smooth_twin import (
+    KD,
+    Reduced,
+    at_its_cost,
+    level,
+    reduced,
+    rows_left,
+    rows_of_levels,
+    torque,
+)
 
 from ghc_controller.formulations import ControlProblem
 from ghc_controller.types import Array
@@ -48,12 +57,13 @@ def bounded_answer(problem: ControlProblem, slack: float = 0.0) -> Answer:
     Args:
         slack: [rad/s^2], [Nm], [N] by which every bound is wider.
     """
-    terms = reduced(problem)
-    rows = _rows(problem, terms)
-    rows = rows._replace(lower=rows.lower - slack, upper=rows.upper + slack)
-    x, f, qps = np.zeros(len(problem.bias)), np.zeros(len(terms.f0)), 0
-    for candidate in problem.priorities.candidates:
-        own_x, own_f, own_qps = _of_order(problem, terms, rows, candidate.alpha)
+    x, f, qps = np.zeros(len(problem.bias)), np.zeros(len(reduced(problem).f0)), 0
+    for index, candidate in enumerate(problem.priorities.candidates):
+        own = at_its_cost(problem, index)
+        terms = reduced(own)
+        rows = _rows(own, terms)
+        rows = rows._replace(lower=rows.lower - slack, upper=rows.upper + slack)
+        own_x, own_f, own_qps = _of_order(own, terms, rows, candidate.alpha)
         x, f, qps = x + candidate.share * own_x, f + candidate.share * own_f, qps + own_qps
     return Answer(x, f, torque(problem, x, f), qps)
 

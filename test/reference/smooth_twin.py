@@ -20,11 +20,21 @@ W, E, KD = 1e-2, 3e-5, 20.0
 def twin_answer(problem: ControlProblem) -> tuple[Array, Array, Array]:
     """x (n,), f (c,) and tau (a,) of a mixture of strict orders, blended."""
     parts = [
-        (candidate.share, _of_order(problem, candidate.alpha))
-        for candidate in problem.priorities.candidates
+        (candidate.share, _of_order(at_its_cost(problem, index), candidate.alpha))
+        for index, candidate in enumerate(problem.priorities.candidates)
     ]
     x, f, tau = (sum(share * answer[i] for share, answer in parts) for i in range(3))
     return np.asarray(x), np.asarray(f), np.asarray(tau)
+
+
+def at_its_cost(problem: ControlProblem, index: int) -> ControlProblem:
+    """The problem with the cost on forces that a candidate has for itself, if it has one."""
+    contacts = problem.contacts
+    if contacts is None or not contacts.of_candidates:
+        return problem
+    own = contacts.of_candidates[index]
+    contacts = contacts._replace(force_center=own.center, force_factor=own.factor)
+    return replace(problem, contacts=contacts)
 
 
 class Reduced(NamedTuple):

@@ -8,6 +8,7 @@ from scipy.optimize import minimize
 
 from ghc_controller.contacts import Contact, ForceCost
 from ghc_controller.controller import Controller
+from ghc_controller.hierarchy import Candidate
 from ghc_controller.previews.preview import CONTACT_FORCES, Preview
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.references.schedule import ReferenceSchedule
@@ -124,6 +125,52 @@ def test_reset_forgets(robot: Robot) -> None:
         strict=True,
     ):
         assert np.array_equal(left, right)
+
+
+def test_each_candidate_has_its_own_expansion(robot: Robot) -> None:
+    """About its own forces; one that enters begins at those of the blend. Seed 3.
+
+    What is left of a mixture goes on from its own, and a time that is asked again from the same.
+    """
+    rng = np.random.default_rng(3)
+    old, new, blend = (_standing_force(rng) for _ in range(3))
+    first, second = (Candidate(np.full((2, 2), value), 0.5) for value in (0.0, 1.0))
+    cost = ForceCost(_feet(robot, 1), STANDING)
+
+    def center(candidate: str = "") -> Array:
+        keys = {"": (), "first": cost.keys[:1], "second": cost.keys[1:]}[candidate]
+        return cost.of(np.arange(1), ReferenceSchedule([]), 0.0, *keys).center
+
+    about = {}
+    for name, force in (("old", old), ("new", new), ("blend", blend)):
+        cost.remember(0, force)
+        cost.advance()
+        about[name] = center()
+    cost.begin(1.0, (first, second))
+    assert cost.entering() == [0, 1]
+    assert np.array_equal(center("first"), about["blend"])
+    assert np.array_equal(center("second"), about["blend"])
+    for key, force in zip(cost.keys, (old, new), strict=True):
+        cost.remember(0, force, key)
+    for time in (2.0, 2.0):
+        cost.begin(time, (first, second))
+        assert cost.entering() == []
+        assert np.array_equal(center("first"), about["old"])
+        assert np.array_equal(center("second"), about["new"])
+        assert np.array_equal(center(), about["blend"])
+    cost.begin(3.0, (second,))
+    assert not cost.keys
+    assert np.array_equal(center(), about["new"])
+    cost.forget_candidates()
+    cost.begin(4.0, (second,))
+    assert np.array_equal(center(), about["blend"])
+
+
+def test_on_a_fixed_base_the_candidates_share_their_cost(robot: Robot) -> None:
+    cost = ForceCost(_feet(robot, 1), 0.0)
+    cost.begin(0.0, [Candidate(np.full((2, 2), value), 0.5) for value in (0.0, 1.0)])
+    assert not cost.keys
+    assert cost.entering() == []
 
 
 @pytest.fixture(scope="module")

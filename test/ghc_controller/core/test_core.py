@@ -12,6 +12,7 @@ from random_problems import random_problem, strict_alpha
 from ghc_controller.core import Cascade, Mixture, NullSpace, level_optimum
 from ghc_controller.formulations import (
     ControlProblem,
+    ForceExpansion,
     Formulation,
     Solution,
     SolutionStatus,
@@ -211,7 +212,16 @@ def test_sizes_that_do_not_fit_are_rejected() -> None:
     for orders, shares in (((), ()), ((order,), ())):
         with pytest.raises(ValueError, match="as many shares"):
             core.solve(orders, shares, *arrays, *_EFFORT)
+    assert problem.contacts is not None
+    cost = ForceExpansion(problem.contacts.force_center, problem.contacts.force_factor)
+    for wrong in ((cost.center[1:], cost.factor), (cost.center, cost.factor[1:]), (cost.center,)):
+        with pytest.raises(ValueError, match="expected"):
+            solve([*arrays[:12], problem.contacts._replace(of_candidates=(wrong,)), arrays[13]])
+        with pytest.raises(IndexError, match="expected"):
+            core.forces()
+    assert solve([*arrays[:12], problem.contacts._replace(of_candidates=(cost,)), arrays[13]]) == 1
     assert solve(arrays) == 1
+    assert len(core.forces()) == 1
     space = NullSpace(7, 3)
     with pytest.raises(ValueError, match="capacity"):
         space.append(np.zeros((4, 7)), 1e-3)

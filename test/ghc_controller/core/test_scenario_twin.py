@@ -15,12 +15,19 @@ from reference.bounded_twin import bounded_answer
 from reference.smooth_twin import apart, rows_of_levels, twin_answer, unbounded
 
 from benchmarks.ticks.tick_file import STATES, load
-from ghc_controller.formulations import ControlProblem, Solution, SolutionStatus, make_formulation
+from ghc_controller.formulations import (
+    ControlProblem,
+    ForceExpansion,
+    Solution,
+    SolutionStatus,
+    make_formulation,
+)
 from ghc_controller.types import Bounds
 from ghc_sim_bridge.scenario.scenario import scenario_names
 
 FILES = sorted(STATES.glob("*.npz"))
 _REACHED = (0.8, 0.4)  # [-] of the torque beside what holds the robot: bounds that are met
+_APART = 5.0  # [N] standard deviation of the centers of costs on forces
 _PUSH = 2.0  # [m/s^2], [rad/s^2] standard deviation of what is added to targets
 # Torque: without bounds relative, with them in Nm or from the optimum of every level.
 _FREE, _BOUNDED = 1e-10, 1e-6
@@ -67,6 +74,26 @@ def test_at_its_bounds_the_core_is_the_twin(path: Path) -> None:
         for share in _REACHED
     ]
     assert sum(each is not None and each > 0 for each in qps) >= len(qps) / 2
+
+
+def test_with_a_cost_on_forces_for_each_order_the_core_is_the_twin() -> None:
+    """Ramps in contact, pushed against torque limits as well; centers 5 N apart. Seed 9."""
+    rng = np.random.default_rng(9)
+    tried = solved = 0
+    for problem in (one for path in FILES for one in _problems(path)):
+        contacts, count = problem.contacts, len(problem.priorities.candidates)
+        if contacts is None or count == 1:
+            continue
+        center, factor = contacts.force_center, contacts.force_factor
+        costs = [
+            ForceExpansion(center + rng.normal(scale=_APART, size=len(center)), factor * scale)
+            for scale in rng.uniform(0.7, 1.4, count)
+        ]
+        own = replace(problem, contacts=contacts._replace(of_candidates=tuple(costs)))
+        for one in (own, *(_limited(own, rng, share) for share in _REACHED)):
+            tried, solved = tried + 1, solved + (_is_twin(one) is not None)
+    assert tried >= 12
+    assert solved >= tried / 2
 
 
 def _is_twin(problem: ControlProblem) -> int | None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_problems import random_problem, strict_alpha
+from random_problems import own_costs, random_problem, strict_alpha
 from reference.smooth_twin import apart, twin_answer, unbounded
 
 from ghc_controller.formulations import SolutionStatus, make_formulation
@@ -17,7 +17,8 @@ from ghc_controller.hierarchy.priorities import Candidate, Priorities
 def test_a_tick_is_that_of_the_twin(kind: str) -> None:
     """Accelerations, forces and torques to 1e-10; ramps of three orders as well. Seed 8.
 
-    Contacts with a row that depends on others, too few contacts to carry the base, and none.
+    Contacts with a row that depends on others, too few contacts to carry the base, and none. Some
+    of the ramps have a cost on forces for each order.
     """
     rng = np.random.default_rng(8)
     places = ([0, 1, 2], [2, 1, 0], [1, 0, 2])
@@ -39,6 +40,8 @@ def test_a_tick_is_that_of_the_twin(kind: str) -> None:
         shares = (1.0,) if trial < 3 else (0.2, 0.5, 0.3)
         mixture = [Candidate(orders[i], share) for i, share in enumerate(shares)]
         problem = replace(problem, priorities=Priorities.mixed(mixture))
+        if trial == 5:
+            problem = own_costs(rng, problem)
         found = make_formulation("cascade").solve(problem)
         assert found.status is SolutionStatus.SOLVED
         assert not found.qp_solved

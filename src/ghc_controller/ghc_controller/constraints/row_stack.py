@@ -109,6 +109,7 @@ class RowStack:
             self._names,
             self._bounds,
             contacts.forces,
+            contacts.of_candidates,
         )
 
 

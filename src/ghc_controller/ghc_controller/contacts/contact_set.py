@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from ghc_controller.constraints.constraint import Rows
 from ghc_controller.contacts.contact import STOPPING_RATE, Contact
-from ghc_controller.contacts.force_cost import ForceCost
+from ghc_controller.contacts.force_cost import ALL, ForceCost
 from ghc_controller.contacts.normal_bounds import NormalBounds
 from ghc_controller.contacts.surface import SurfaceContact
 from ghc_controller.core import ContactMotion, native
 from ghc_controller.errors import InvalidValue
+from ghc_controller.hierarchy.priorities import Candidate
 from ghc_controller.model.robot_model import RobotModel
 from ghc_controller.problem.control_problem import ContactRows
 from ghc_controller.references.schedule import ReferenceSchedule
@@ -99,7 +100,8 @@ class ContactSet:
             frame = model.frame(contact.frame_id)
             contact.write_forces(frame, force_jacobian[force])
             contact.write_motion(frame, jacobian[motion], drift_target[motion])
-        center, factor = self._cost.of(layout.places, references, time)
+        cost, places = self._cost, layout.places
+        center, factor = cost.of(places, references, time)
         return ContactRows(
             jacobian,
             drift_target,
@@ -111,6 +113,7 @@ class ContactSet:
             factor,
             (),
             forces=layout.forces,
+            of_candidates=tuple([cost.of(places, references, time, key) for key in cost.keys]),
         )
 
     @property
@@ -130,26 +133,47 @@ class ContactSet:
         """Friction constraints of each contact of the last `rows` (thesis, eq. 5.3)."""
         return None if self._on is None else self._on[0].cones
 
-    def begin(self, time: float) -> None:
-        """Start a step at `time` [s]; repeating a time starts from the same forces."""
-        self._cost.begin(time)
+    def begin(self, time: float, candidates: Sequence[Candidate] = ()) -> None:
+        """Start a step at `time` [s]; repeating a time starts from the same forces.
 
-    def remember(self, active: tuple[bool, ...], force: Array) -> None:
-        """Store the forces (c,) of the QP and the active contacts for the next step.
+        Args:
+            candidates: those that are answered each by itself; their costs differ (ForceCost).
+        """
+        self._cost.begin(time, candidates)
+
+    def remember(
+        self, active: tuple[bool, ...], force: Array, of_candidates: Sequence[Array] = ()
+    ) -> None:
+        """Store the forces of the QP and the active contacts for the next step.
 
         If no QP was solved there are no forces, and those of the previous step are kept.
+
+        Args:
+            force: (c,) [N].
+            of_candidates: the same of each candidate of `begin`; () where there is one answer.
         """
-        for place, on in enumerate(active):
-            if not on:
-                self._cost.remember(place, None)
         layout = self._layouts.get(active)
         if layout is not None and force.shape[0]:
-            for place, part in zip(layout.places, layout.parts, strict=True):
-                self._cost.remember(int(place), force[part.force])
+            self._cost.forget_candidates()
+            self._store(layout, force)
+            keys = self._cost.keys if of_candidates else ()
+            for key, own in zip(keys, of_candidates, strict=True):
+                self._store(layout, own, key)
+        for place, on in enumerate(active):
+            if not on:
+                self._cost.forget(place)
+
+    def _store(self, layout: _Layout, force: Array, candidate: bytes = ALL) -> None:
+        for place, part in zip(layout.places, layout.parts, strict=True):
+            self._cost.remember(int(place), force[part.force], candidate)
 
     def knows_forces(self, active: tuple[bool, ...]) -> bool:
         """False if the cost needs the forces of an active contact and has none yet."""
         return self._cost.knows(active)
+
+    def entering(self) -> list[int]:
+        """Candidates of `begin` that have no forces of their own yet, if each has its own cost."""
+        return self._cost.entering()
 
     def advance(self) -> None:
         """Expand the cost of the next rows about the stored forces, at the same time."""

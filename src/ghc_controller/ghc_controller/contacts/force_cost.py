@@ -9,11 +9,16 @@ from numpy.typing import NDArray
 
 from ghc_controller.contacts.contact import Contact
 from ghc_controller.core import force_costs
+from ghc_controller.hierarchy.priorities import Candidate
+from ghc_controller.problem.control_problem import ForceExpansion
 from ghc_controller.references.schedule import ReferenceSchedule
 from ghc_controller.types import Array
 
 _WEIGHT = 1e-4  # [-] of |f|^2, relative to the unit weight of task accelerations
 _LEAST_LOAD = 2.0  # [N] lower bound of F in the cost
+
+ALL = b""  # in place of a candidate: the answer of all, blended
+_Forces = list[Array | None]  # of each contact; None: unknown
 
 
 class ForceCost:
@@ -32,7 +37,16 @@ class ForceCost:
         |u|^2 / F ~ |u - r F|^2 / F_0 + 2 r^T u - |r|^2 F,
 
     so that the forces converge to the minimum over the steps (Newton's method).
+
+    Each candidate of a mixture of orders has its own f_0, the forces of its own answer: about
+    those of the blend, which move with the shares, its answer would move with them. One that
+    enters the mixture starts from the blend.
+
+    Attributes:
+        keys: of the candidates of this step, if each has its own cost.
     """
+
+    keys: tuple[bytes, ...]
 
     def __init__(self, contacts: Sequence[Contact], weight_force: float) -> None:
         """W [N] is the robot's weight; with 0 only |f|^2 and force tasks remain."""
@@ -44,50 +58,88 @@ class ForceCost:
 
     def reset(self) -> None:
         """Discard the forces of the previous step."""
-        self._last: list[Array | None] = [None] * len(self._contacts)  # f_0; None: unknown
-        self._before = list(self._last)  # forces of the last step at an earlier time
-        self._newest = list(self._last)
+        self.keys = ()
+        self._last: dict[bytes, _Forces] = {ALL: [None] * len(self._contacts)}  # f_0
+        self._before = _copied(self._last)  # forces of the last step at an earlier time
+        self._newest = _copied(self._last)
         self._time: float | None = None
 
-    def begin(self, time: float) -> None:
-        """Expand about the forces of the step before `time` [s]; repeated calls change nothing."""
-        if time != self._time:
-            self._before, self._time = list(self._newest), time
-        self._last = list(self._before)
+    def begin(self, time: float, candidates: Sequence[Candidate] = ()) -> None:
+        """Expand about the forces of the step before `time` [s]; repeated calls change nothing.
 
-    def remember(self, place: int, force: Array | None) -> None:
-        """Store forces of the contact at `place` for the next step; None: inactive."""
-        self._newest[place] = None if force is None else force.copy()
+        Args:
+            candidates: those that are answered each by itself.
+        """
+        if time != self._time:
+            self._before, self._time = _copied(self._newest), time
+        self._last, self.keys = _copied(self._before), ()
+        if self._share == 0.0:
+            return
+        if len(candidates) > 1:
+            self.keys = tuple([candidate.alpha.tobytes() for candidate in candidates])
+        elif candidates and len(self._last) > 1:  # the one that is left of a mixture
+            own = self._last.get(candidates[0].alpha.tobytes())
+            self._last = {ALL: own or self._last[ALL]}
+
+    def remember(self, place: int, force: Array, candidate: bytes = ALL) -> None:
+        """Store forces (f,) [N] of the contact at `place` for the next step."""
+        stored = self._newest.setdefault(candidate, [None] * len(self._contacts))
+        stored[place] = force.copy()
+
+    def forget(self, place: int) -> None:
+        """Discard the forces of the contact at `place`, which is off."""
+        for stored in self._newest.values():
+            stored[place] = None
+
+    def forget_candidates(self) -> None:
+        """Keep the forces of the blend alone for the next step."""
+        if len(self._newest) > 1:
+            self._newest = {ALL: self._newest[ALL]}
 
     def advance(self) -> None:
         """Expand about the forces stored last."""
-        self._last = list(self._newest)
+        self._last = _copied(self._newest)
 
     def knows(self, active: Sequence[bool]) -> bool:
         """Whether the cost of the active contacts needs no previous forces, or has them."""
         if self._share == 0.0:
             return True
-        return all(last is not None for on, last in zip(active, self._last, strict=True) if on)
+        stored = self._last[ALL]
+        return all(last is not None for on, last in zip(active, stored, strict=True) if on)
+
+    def entering(self) -> list[int]:
+        """Places in `keys` of candidates that were not there in the step before."""
+        return [place for place, key in enumerate(self.keys) if key not in self._last]
 
     def of(
-        self, places: NDArray[np.intp], references: ReferenceSchedule, time: float
-    ) -> tuple[Array, Array]:
+        self,
+        places: NDArray[np.intp],
+        references: ReferenceSchedule,
+        time: float,
+        candidate: bytes = ALL,
+    ) -> ForceExpansion:
         """Center (c,) [N] and factor (c, c) of the contacts at `places`, as in ContactRows.
 
         Args:
             references: of the force tasks, by the name of the contact.
             time: [s].
+            candidate: one of `keys`; ALL: about the forces of the blend.
         """
+        stored = self._last.get(candidate) or self._last[ALL]
         c = sum(self._none[place].shape[0] for place in places)
         center, factor = np.zeros(c), np.zeros((c, c))
         contacts = []
         for place in places:
-            known = self._last[place]
+            known = stored[place]
             last = self._none[place] if known is None else known
             task = _force_task(self._contacts[place], references, time)
             contacts.append((self._normals[place], last, *task))
         force_costs(_WEIGHT, self._share, _LEAST_LOAD, contacts, center, factor)
-        return center, factor
+        return ForceExpansion(center, factor)
+
+
+def _copied(forces: dict[bytes, _Forces]) -> dict[bytes, _Forces]:
+    return {candidate: list(stored) for candidate, stored in forces.items()}
 
 
 def _force_task(

@@ -1,4 +1,4 @@
-"""Repeated solves when a contact is activated, so that forces do not jump in the next step."""
+"""Repeated solves when a contact or an order enters: no jump of forces in the next step."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ import numpy as np
 
 from ghc_controller.contacts.contact_set import ContactSet
 from ghc_controller.formulations import Formulation
+from ghc_controller.hierarchy.ramp import PacedPriorities
 from ghc_controller.problem.control_problem import ContactRows, ControlProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus
 
-_FURTHER_SOLVES = 3  # at most, in a step that activates a contact
+_FURTHER_SOLVES = 3  # at most, in a step that activates a contact or an order
+_FELT = 1e-3  # [-] share of an order that enters from which on its forces settle at once
 _SETTLED = 1e-2  # [Nm] change of torque between two solves that ends the iteration
 
 
@@ -23,7 +25,11 @@ def solve_settled(
     active: tuple[bool, ...],
     rows: Callable[[], ContactRows | None],
 ) -> Solution:
-    """Solve; repeat if a contact was just activated, since its cost expands about past forces.
+    """Solve; repeat if a contact or an order was just activated: it knows no past forces.
+
+    The cost on forces expands about them. An order that enters a mixture expands about those of
+    the blend at first; with a share below 1e-3, as in the first step of a cosine, the steps to
+    come are enough. A budget of torque rate needs the settled answer whatever the share.
 
     Args:
         contacts: stores the forces for the next step.
@@ -31,8 +37,8 @@ def solve_settled(
         rows: recomputes those of `problem.contacts` with the forces stored last.
     """
     solution = formulation.answer(problem)
-    contacts.remember(active, solution.force)
-    if contacts.knows_forces(active):
+    contacts.remember(active, solution.force, solution.of_candidates)
+    if contacts.knows_forces(active) and not _enters(problem, solution, contacts):
         return solution
     for _ in range(_FURTHER_SOLVES):
         if solution.status is SolutionStatus.FAILED or formulation.solver.is_late:
@@ -43,8 +49,16 @@ def solve_settled(
         cut = formulation.solver.is_late or formulation.solver.counts["capped"] > capped
         if again.status is SolutionStatus.FAILED or cut:
             break  # the previous solution is complete
-        contacts.remember(active, again.force)
+        contacts.remember(active, again.force, again.of_candidates)
         change, solution = np.abs(again.torque - solution.torque).max(), again
         if change < _SETTLED:
             break
     return solution
+
+
+def _enters(problem: ControlProblem, solution: Solution, contacts: ContactSet) -> bool:
+    """Whether the answer of an order that has no forces of its own yet is felt in the blend."""
+    entering = contacts.entering() if solution.of_candidates else []
+    if not entering or isinstance(problem.priorities, PacedPriorities):
+        return bool(entering)
+    return any(problem.priorities.candidates[place].share >= _FELT for place in entering)

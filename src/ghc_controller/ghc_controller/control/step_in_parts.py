@@ -66,7 +66,8 @@ class StepInParts:
         priorities = schedule.pace(time, controller.settings.control_dt)
         controller.stack.update(model, state, controller.references.targets(time))
         before = controller.output.before(state)
-        controller.contacts.begin(time)
+        mixed = priorities.candidates if controller.formulation.blends else ()
+        controller.contacts.begin(time, mixed)
         limits = self._limits(state, before)
         after_terms = perf_counter()
         formulation, bounds = controller.formulation, limits.normal_bounds

@@ -346,6 +346,7 @@ class Mixture:
 
         Args:
             orders: and the shares of the mixture; the other arrays are those of ControlProblem.
+                `of_candidates` of the contacts gives each order its own cost on forces.
             bounded: whether levels that meet a bound are solved too; else they are left open.
             of_qp: most pivots of a level.
             of_step: most pivots of all orders and of the torque rate limit; -1: each order has
@@ -378,8 +379,15 @@ class Mixture:
     def retune(self, w: float, e: float, kd: float, /) -> None:
         """Other numbers from the next problem on."""
 
-    def reduced(self) -> tuple[Any, ...]:
-        """Arrays of the last problem as `reduced_arrays` of problem/reduction.py names them."""
+    def forces(self) -> tuple[Array, ...]:
+        """Forces (c,) [N] of each order of the last problem, where all have an answer."""
+
+    def reduced(self, index: int | None = None) -> tuple[Any, ...]:
+        """Arrays of the last problem as `reduced_arrays` of problem/reduction.py names them.
+
+        Args:
+            index: order whose cost on forces counts, if each has its own; None: that of all.
+        """
 
 class Gate:
     """Torque limits (a,) and largest changes (a,) per control period; inf where there is none."""

@@ -18,7 +18,12 @@ from ghc_controller.formulations.registry import (
     own_settings,
     register_formulation,
 )
-from ghc_controller.problem.control_problem import AccelerationRows, ContactRows, ControlProblem
+from ghc_controller.problem.control_problem import (
+    AccelerationRows,
+    ContactRows,
+    ControlProblem,
+    ForceExpansion,
+)
 from ghc_controller.problem.solution import Solution, SolutionStatus
 
 __all__ = [
@@ -28,6 +33,7 @@ __all__ = [
     "ContactRows",
     "ControlProblem",
     "DampedLevels",
+    "ForceExpansion",
     "Formulation",
     "FormulationSettings",
     "Metric",

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from ghc_controller.formulations.cascade.blend import blend
+from ghc_controller.formulations.cascade.blend import blend, with_forces
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.formulations.hqp import Hqp
 from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.hierarchy.orders_only import orders_only
-from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.solution import Solution
@@ -35,12 +32,11 @@ class HqpTransition(Formulation):
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
-        candidates, answers = problem.priorities.candidates, []
-        for index, candidate in enumerate(candidates):
-            self.solver.begin_part(len(candidates) - index)  # none takes the pivots of another
-            alone = replace(problem, priorities=Priorities.of(candidate.alpha))
-            answers.append(self._cascade.solve(alone))
-        return blend(answers, problem.priorities)
+        count, answers = len(problem.priorities.candidates), []
+        for index in range(count):
+            self.solver.begin_part(count - index)  # none takes the pivots of another
+            answers.append(self._cascade.solve(problem.of_candidate(index)))
+        return with_forces(blend(answers, problem.priorities), answers, problem)
 
     def solvability(self, jacobian: Array, starts: Starts) -> Solvability:  # noqa: ARG002
         """Orders always have an answer; any other target is rejected."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,13 @@ from ghc_controller.errors import InvalidValue, WrongSize
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.problem.second_order_terms import SecondOrder
 from ghc_controller.types import Array, Bounds, Starts
+
+
+class ForceExpansion(NamedTuple):
+    """Cost on the forces of all contacts: 1/2 (f - f_0)^T H_f (f - f_0)."""
+
+    center: Array  # (c,) [N] f_0
+    factor: Array  # (c, c) F with F F^T = H_f^-1
 
 
 class ContactRows(NamedTuple):
@@ -33,6 +40,14 @@ class ContactRows(NamedTuple):
     names: tuple[str, ...]  # (r,)
     bounds: int = 0
     forces: tuple[tuple[str, slice], ...] = ()  # names of the contacts, and their entries of f
+    of_candidates: tuple[ForceExpansion, ...] = ()  # costs, each its own; (): all share the above
+
+    def of_candidate(self, index: int) -> ContactRows:
+        """The same with the cost of one candidate alone."""
+        if not self.of_candidates:
+            return self
+        center, factor = self.of_candidates[index]
+        return self._replace(force_center=center, force_factor=factor, of_candidates=())
 
 
 class AccelerationRows(NamedTuple):
@@ -87,6 +102,14 @@ class ControlProblem:
         """(k, k) priority matrix."""
         return self.priorities.alpha
 
+    def of_candidate(self, index: int) -> ControlProblem:
+        """The problem of one candidate of the mixture alone."""
+        return replace(
+            self,
+            priorities=Priorities.of(self.priorities.candidates[index].alpha),
+            contacts=None if self.contacts is None else self.contacts.of_candidate(index),
+        )
+
     @property
     def limits_rate(self) -> bool:
         """Whether the torque box holds more than the torque limits, which is the torque rate."""
@@ -114,6 +137,9 @@ class ControlProblem:
                 "contact force_center": self.contacts.force_center,
                 "contact force_factor": self.contacts.force_factor,
             }
+            for center, factor in self.contacts.of_candidates:
+                if not math.isfinite(center.sum() + factor.sum()):
+                    return "contact force cost of a candidate"
         if self.rows is not None:
             parts |= {"matrix of rows": self.rows.matrix}
             if self.rows.force_matrix is not None:

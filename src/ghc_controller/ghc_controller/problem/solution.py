@@ -40,6 +40,7 @@ class Solution(NamedTuple):
     levels_dropped: int = 0  # last levels that have no part in it: no pivot was left for them
     violation: float = 0.0  # [rad/s^2], [Nm] or [N] largest one of a row, relaxation aside
     reason: str = ""  # in words, if the status is FAILED or the solution is only feasible
+    of_candidates: tuple[Array, ...] = ()  # (c,) forces of each, if each has its own cost on them
 
     @classmethod
     def without_answer(cls, problem: ControlProblem, reason: str) -> Solution:

@@ -15,6 +15,7 @@ bool Mixture::begin(const Problem& problem) {
   if (!ready_) return false;
   reduction_.keep_contacts(problem_);
   reduction_.balance();
+  expanded_ = kOfAll;
   brake_ = -damping_.velocity * problem_.velocity.vector();
   reduction_.coordinates(brake_, y_);
   return true;
@@ -24,13 +25,14 @@ Index Mixture::solve(const std::vector<Cascade*>& orders, const Budget& budget) 
   const bool limited = problem_.limits_rate();
   Index parts = static_cast<Index>(orders.size()) + (limited ? 1 : 0), left = budget.whole;
   Index done = 0;
-  for (Cascade* order : orders) {
+  for (size_t place = 0; place < orders.size(); ++place) {
+    Cascade* const order = orders[place];
     if (!order) break;
     const Index kept = left < 0 ? 0 : left * (parts - 1) / parts;
     const Index of_order = left < 0 ? budget.of_qp : left - kept;
     const Deadline deadline = budget.deadline.first_of(parts);
     const Index answered =
-        solve_order(*order, {budget.bounded, budget.of_qp, of_order, deadline});
+        solve_order(*order, place, {budget.bounded, budget.of_qp, of_order, deadline});
     if (answered < order->levels()) break;
     if (left >= 0) left -= order->pivots();
     --parts, ++done;
@@ -38,7 +40,17 @@ Index Mixture::solve(const std::vector<Cascade*>& orders, const Budget& budget) 
   return done;
 }
 
-Index Mixture::solve_order(Cascade& order, const Effort& effort) {
+void Mixture::expand(size_t place) {
+  if (place >= problem_.of_orders.size()) place = kOfAll;
+  if (place == expanded_) return;
+  const ForceExpansion of_all{problem_.force_center, problem_.force_factor};
+  reduction_.expand(problem_, place == kOfAll ? of_all : problem_.of_orders[place]);
+  reduction_.coordinates(brake_, y_);
+  expanded_ = place;
+}
+
+Index Mixture::solve_order(Cascade& order, size_t place, const Effort& effort) {
+  expand(place);
   return order.solve(reduction_.jacobian(), reduction_.target(), y_, reduction_.terms(problem_),
                      damping_, effort);
 }

@@ -1,7 +1,7 @@
 // One tick of the cascade: every order of a mixture answered, and the answers blended.
 //
-// Orders share what does not depend on priorities: the reduction by contacts, the forces that
-// carry the base, and the bounds. Convex bounds hold for sum_c rho_c answer_c, which is linear in
+// Orders share what does not depend on priorities: the reduction by contacts and the bounds, and
+// the forces that carry the base unless each order has its own cost on them. Convex bounds hold for sum_c rho_c answer_c, which is linear in
 // the shares rho_c (docs/architecture.md, "cascade").
 #pragma once
 
@@ -39,8 +39,12 @@ class Mixture {
   // alike among the orders to come, and the torque rate limit, where there is one.
   Index solve(const std::vector<Cascade*>& orders, const Budget& budget);
 
-  // Answer one order; returns how many of its levels have an answer.
-  Index solve_order(Cascade& order, const Effort& effort);
+  // Answer the order at a place; returns how many of its levels have an answer.
+  Index solve_order(Cascade& order, size_t place, const Effort& effort);
+
+  // Reduce the problem at the cost on forces of the order at a place, or at that of all.
+  void expand(size_t place);
+  static constexpr size_t kOfAll = static_cast<size_t>(-1);
 
   // sum_c rho_c answer_c over the orders with a share above 0, all of which have an answer.
   void blend(const std::vector<Cascade*>& orders, const std::vector<double>& shares);
@@ -66,6 +70,7 @@ class Mixture {
   Vector brake_, y_, x_, torque_, force_;
   double violation_ = 0.0;
   Index pivots_ = 0;
+  size_t expanded_ = kOfAll;  // place of the order whose cost on forces the reduction has
   bool qp_solved_ = false, ready_ = false;
 };
 

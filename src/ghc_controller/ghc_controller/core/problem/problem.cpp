@@ -53,6 +53,10 @@ void Problem::check() const {
   expect(force_jacobian.rows == c && (c == 0 || force_jacobian.cols == n) &&
              force_factor.rows == c && force_factor.cols == c,
          "J_f (c, n), center (c,) and factor (c, c) expected");
+  for (const ForceExpansion& one : of_orders) {
+    expect(one.center.size() == c && one.factor.rows == c && one.factor.cols == c,
+           "center (c,) and factor (c, c) of each order expected");
+  }
   expect(force_upper.size() == r && force_matrix.rows == r && (r == 0 || force_matrix.cols == c),
          "rows (r, c) on forces and their bounds (r,) expected");
 }
@@ -66,6 +70,9 @@ bool Problem::finite() const {
   for (const View* part :
        {&contact_jacobian, &drift_target, &force_jacobian, &force_center, &force_factor}) {
     if (!is_finite(*part)) return false;
+  }
+  for (const ForceExpansion& one : of_orders) {
+    if (!is_finite(one.center) || !is_finite(one.factor)) return false;
   }
   return true;
 }

@@ -4,9 +4,16 @@
 // target. Rows on forces: first the bounds of normal forces, then what friction can hold.
 #pragma once
 
+#include <vector>
+
 #include "matrix.hpp"
 
 namespace ghc {
+
+// Cost on contact forces: 1/2 (f - f_0)^T H_f (f - f_0).
+struct ForceExpansion {
+  View center, factor;  // f_0 (c,), F (c, c) with F F^T = H_f^-1
+};
 
 struct Problem {
   View jacobian, target;                // (m, n), (m,)
@@ -21,6 +28,7 @@ struct Problem {
   View force_jacobian;                  // J_f (c, n)
   View force_matrix, force_lower, force_upper;  // (r, c), (r,), (r,)
   View force_center, force_factor;      // f_0 (c,), F (c, c) with F F^T = H_f^-1
+  std::vector<ForceExpansion> of_orders;  // the same of each order; none: they share the above
   Index unactuated = 0;
 
   // Throws std::invalid_argument where sizes do not fit together.

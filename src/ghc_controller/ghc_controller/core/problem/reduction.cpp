@@ -46,7 +46,7 @@ void Reduction::keep_contacts(const Problem& problem) {
   const Index u = problem.unactuated, n = problem.bias.size(), a = n - u;
   const auto M = problem.mass_matrix.matrix();
   const auto h = problem.bias.vector();
-  formed_ = free_by_reflections_ = false;
+  formed_ = free_formed_ = free_by_reflections_ = dropped_ = false;
   fixed_base_ = u == 0, factor_ = problem.in_contact ? problem.force_factor : View{};
   jacobian_ = problem.jacobian, target_ = problem.target;
   mass_of_joints = rows_of(problem.mass_matrix, u, a), bias_of_joints = {h.data() + u, a, 1};
@@ -114,9 +114,17 @@ void Reduction::balance() {
   residual = view(residual_);
 }
 
+void Reduction::expand(const Problem& problem, const ForceExpansion& cost) {
+  if (dropped_) keep_contacts(problem);  // y is reduced further by the balance
+  center = cost.center, factor_ = cost.factor;
+  free_formed_ = free_by_reflections_ = false;
+  balance();
+}
+
 // Reduce y by uncarried M_u y = uncarried rhs; keep the balance along `carried` rows.
 void Reduction::drop_uncarried(const Eigen::Ref<const Matrix>& uncarried,
                                const Eigen::Ref<const Matrix>& carried) {
+  dropped_ = true;
   const Matrix momentum = uncarried * balance_matrix.matrix();
   const Vector goal = uncarried * balance_target.vector();
   momentum_.solve({momentum.data(), momentum.rows(), momentum.cols()},
@@ -146,6 +154,9 @@ RowTerms Reduction::rows() {
   if (!formed_) {
     formed_ = true;
     if (basis.rows) torque_matrix_.noalias() = mass_of_joints.matrix() * basis.matrix();
+  }
+  if (!free_formed_) {
+    free_formed_ = true;
     if (free_by_reflections_) free_.noalias() = factor_.matrix() * forces_.basis();
   }
   const View torques = basis.rows ? view(torque_matrix_) : mass_of_joints;

@@ -22,6 +22,9 @@ class Reduction : public RowSource {
   // what remains of y are motions that conserve momentum along N.
   void balance();
 
+  // After it: the forces that balance the base at another cost on them.
+  void expand(const Problem& problem, const ForceExpansion& cost);
+
   ConstMatrix jacobian() const { return jacobian_.matrix(); }  // (m, d)
   ConstVector target() const { return target_.vector(); }      // (m,)
 
@@ -49,7 +52,8 @@ class Reduction : public RowSource {
   Matrix rows_, force_, basis_, torque_matrix_, balance_matrix_, balance_force_;
   Matrix whitened_, gram_, inverse_, gain_, free_;
   Vector goals_, offset_, balance_target_, residual_, none_;
-  bool formed_ = false, free_by_reflections_ = false, fixed_base_ = true;
+  bool formed_ = false, free_formed_ = false, free_by_reflections_ = false;
+  bool fixed_base_ = true, dropped_ = false;
 };
 
 }  // namespace ghc

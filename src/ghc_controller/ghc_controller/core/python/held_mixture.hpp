@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "arrays.hpp"
@@ -16,7 +17,7 @@ constexpr size_t kArrays = 11, kGeneral = 3, kContacts = 8;
 class HeldProblem {
  public:
   // The first eleven are those of `Problem` in its order; `general` are the first three of
-  // AccelerationRows and `contacts` the first eight of ContactRows, or None.
+  // AccelerationRows and `contacts` the first eight of ContactRows and its costs, or None.
   const Problem& take(const std::array<nb::handle, kArrays>& given, nb::handle general,
                       nb::handle contacts, Index unactuated) {
     View* const views[kArrays] = {&problem_.jacobian,   &problem_.target,    &problem_.mass_matrix,
@@ -36,6 +37,7 @@ class HeldProblem {
                                      &problem_.force_lower,      &problem_.force_upper,
                                      &problem_.force_center,     &problem_.force_factor};
     parts(contacts, kContacts, forces, contacts_.data(), 0b10001101);
+    take_costs(contacts.is_none() ? nb::none() : nb::getattr(contacts, "of_candidates", nb::none()));
     problem_.in_contact = !contacts.is_none();
     problem_.unactuated = unactuated;
     problem_.check();
@@ -58,6 +60,19 @@ class HeldProblem {
   Index rows() const { return problem_.jacobian.rows; }
 
  private:
+  // Costs on forces of the orders: pairs of a center and a factor, or None.
+  void take_costs(nb::handle given) {
+    problem_.of_orders.clear();
+    if (given.is_none()) return;
+    const auto costs = nb::cast<nb::tuple>(given);
+    costs_.resize(costs.size());
+    for (size_t i = 0; i < costs.size(); ++i) {
+      const auto cost = nb::cast<nb::tuple>(costs[i]);
+      if (cost.size() != 2) throw nb::value_error("center and factor of each order expected");
+      problem_.of_orders.push_back({costs_[i][0].take(cost[0], 1), costs_[i][1].take(cost[1], 2)});
+    }
+  }
+
   // Entries of a tuple; bit i of `matrices` is set where entry i has two axes.
   static void parts(nb::handle given, size_t count, View* const* views, HeldArray* held,
                     unsigned matrices) {
@@ -77,6 +92,7 @@ class HeldProblem {
   std::array<HeldArray, kGeneral> general_;
   HeldArray general_force_;
   std::array<HeldArray, kContacts> contacts_;
+  std::vector<std::array<HeldArray, 2>> costs_;
 };
 
 inline nb::object or_none(const View& view, bool given, bool matrix) {
@@ -183,14 +199,25 @@ class HeldMixture {
       throw nb::index_error("an order of the last problem expected");
     }
     if (!begun_[index]) {
-      mixture_.solve_order(*orders_[index], {bounded, of_qp, of_order, {clock, end}});
+      mixture_.solve_order(*orders_[index], index, {bounded, of_qp, of_order, {clock, end}});
     }
     begun_[index] = true;
     return answer_of(*orders_[index]);
   }
 
-  nb::tuple reduced() {
+  // See native.pyi.
+  nb::tuple forces() const {
+    const bool all = std::find(begun_.begin(), begun_.end(), 0) == begun_.end();
+    if (!mixture_.ready() || !all) throw nb::index_error("an answer of each order expected");
+    nb::list found;
+    for (const Cascade* order : orders_) found.append(new_vector(order->force()));
+    return nb::tuple(found);
+  }
+
+  // See native.pyi.
+  nb::tuple reduced(std::optional<size_t> index) {
     if (!mixture_.ready()) throw nb::value_error("a problem that is finite expected before");
+    mixture_.expand(index.value_or(Mixture::kOfAll));
     return reduced_arrays(mixture_.reduction());
   }
 

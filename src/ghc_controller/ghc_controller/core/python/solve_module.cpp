@@ -1,5 +1,6 @@
 #include "solve_module.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/vector.h>
 
 #include "force_cost.hpp"
@@ -70,7 +71,8 @@ void bind_solve(nb::module_& m) {
       .def("retune", &HeldMixture::retune)
       .def("answer", &HeldMixture::answer, "index"_a, "bounded"_a, "of_qp"_a, "of_order"_a,
            "clock"_a = nb::none(), "end"_a = 0.0)
-      .def("reduced", &HeldMixture::reduced);
+      .def("forces", &HeldMixture::forces)
+      .def("reduced", &HeldMixture::reduced, "index"_a = nb::none());
   m.def("reduced", [](nb::handle J, nb::handle b, nb::handle M, nb::handle h, nb::handle contacts,
                       Index unactuated, bool balance) {
     HeldProblem held;

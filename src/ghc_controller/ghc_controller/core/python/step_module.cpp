@@ -166,7 +166,7 @@ class HeldStep {
     return named_tuple(answer_[1], found.x, nb::object(answer_[4]), found.torque,
                        nb::object(answer_[3]), answer.qp_solved(), answer.violation(), 0.0,
                        answer.pivots(), none, none, none, false, 0.0, 0, answer.violation(),
-                       no_reason_);
+                       no_reason_, nb::object(nothing_));
   }
 
   // The boxes at the last update of the model; whether one of them gave way.
@@ -194,6 +194,7 @@ class HeldStep {
   HeldAnchor& anchor_;
   nb::tuple answer_;  // StepResult, Solution, their status where solved, and no force
   nb::object no_reason_ = nb::str("");
+  nb::object nothing_ = nb::tuple();
   Problem problem_;
   nb::tuple orders_, shares_;  // and the rest: of the last `run`
   nb::object clock_;

@@ -8,6 +8,7 @@ import numpy as np
 
 from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.ramp import PacedPriorities
+from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.solution import Solution, SolutionStatus
 from ghc_controller.types import Array
 
@@ -44,7 +45,19 @@ def blend(answers: Sequence[Solution], priorities: Priorities) -> Solution:
         levels_dropped=max(answer.levels_dropped for answer in in_force),
         rate_gave_way=any(answer.rate_gave_way for answer in in_force),
         progress=progress,
+        of_candidates=(),
     )
+
+
+def with_forces(
+    blended: Solution, answers: Sequence[Solution], problem: ControlProblem
+) -> Solution:
+    """The blend with the forces of each answer, where each has its own cost on them."""
+    contacts = problem.contacts
+    if contacts is None or not contacts.of_candidates:
+        return blended
+    failed = any(answer.status is SolutionStatus.FAILED for answer in answers)
+    return blended._replace(of_candidates=() if failed else tuple(one.force for one in answers))
 
 
 def _shares(answers: Sequence[Solution], priorities: Priorities) -> tuple[Array, float]:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from ghc_controller.core import Cascade as Core
 from ghc_controller.core import Mixture
 from ghc_controller.formulations.balanced import BalancedGhc
-from ghc_controller.formulations.cascade.blend import blend
+from ghc_controller.formulations.cascade.blend import blend, with_forces
 from ghc_controller.formulations.cascade.descent import Descent
 from ghc_controller.formulations.cascade.force_center import of_arrays
 from ghc_controller.formulations.cascade.order import Order, Orders
 from ghc_controller.formulations.cascade.torque_rate import within_rate, without_rate
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.formulations.registry import register_formulation
-from ghc_controller.hierarchy.priorities import Priorities
 from ghc_controller.hierarchy.ramp import PacedPriorities
 from ghc_controller.hierarchy.solvability import Solvability
 from ghc_controller.problem.control_problem import ControlProblem
@@ -95,6 +93,8 @@ class Cascade(Formulation):
             iterations=iterations,
             violation=violation,
         )
+        if problem.contacts is not None and problem.contacts.of_candidates:
+            solution = solution._replace(of_candidates=self.core.forces())
         return solution if within else self._within_rate(problem, solution)
 
     def reset(self) -> None:
@@ -146,12 +146,11 @@ class Cascade(Formulation):
             # None takes the pivots of another, or those of the torque rate limit.
             self.solver.begin_part(len(orders) - index + limited)
             if order is None:
-                alone = Priorities.of(free.priorities.candidates[index].alpha)
                 balanced = BalancedGhc(self.settings, self.solver)
-                answers.append(balanced.solve(replace(free, priorities=alone)))
+                answers.append(balanced.solve(free.of_candidate(index)))
             else:
                 answers.append(self._of_order(free, index, order))
-        answer = blend(answers, problem.priorities)
+        answer = with_forces(blend(answers, problem.priorities), answers, problem)
         return self._within_rate(problem, answer) if limited else answer
 
     def _of_order(self, problem: ControlProblem, index: int, order: Order) -> Solution:
@@ -180,7 +179,7 @@ class Cascade(Formulation):
                 )
         if found is not None and first == len(order.ends):
             return found
-        reduced, forces = of_arrays(problem, self.core.reduced())
+        reduced, forces = of_arrays(problem.of_candidate(index), self.core.reduced(index))
         return Descent(self.settings, solver, reduced, forces, order).answer(first, found)
 
     def _within_rate(self, problem: ControlProblem, answer: Solution) -> Solution:

@@ -52,5 +52,6 @@ def within_rate(
     return found._replace(
         progress=answer.progress,
         levels_dropped=answer.levels_dropped,
+        of_candidates=answer.of_candidates,
         iterations=answer.iterations + found.iterations,
     )
