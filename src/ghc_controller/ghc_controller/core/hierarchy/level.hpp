@@ -50,16 +50,33 @@ class Level {
   // out (d,) = P F s, the step of accelerations of s (d,).
   void step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vector& out);
 
+  // Products b_i H^-1 b_j of rows b (d,) = e P, H = A^T A + w I, without `prepare`, by what the
+  // level sees of each row: S^-1 A b twice, or V b and X V b.
+  Index seen() const { return inner_rows_; }
+  void see(const Eigen::Ref<const RowVector>& b, const NullSpace& above,
+           Eigen::Ref<RowVector> seen, Eigen::Ref<RowVector> through);
+
+  // b_i H^-1 b_j from the first of the one, the second of the other, and b_i b_j.
+  double through(const double* seen, const double* through, double product) const {
+    double met = 0.0;
+    for (Index k = 0; k < inner_rows_; ++k) met += seen[k] * through[k];
+    return identity_ ? (product + met) / (1.0 + damping_) : (product - met) / damping_;
+  }
+
+  // out (d,) = P H^-1 pull, the step of accelerations of a pull (d,) on u.
+  void step_of_pull(const Eigen::Ref<const Vector>& pull, const NullSpace& above, Vector& out);
+
  private:
   // F = scale (I + D^T K D): D = A and K = -S^-T (S + sqrt(w) I)^-1, or D = W and K = (S + I)^-1.
   void weights_times_k();  // weights^T K in place
   void k_times_weights();  // K weights in place
-  void factor();           // S in place of S S^T
+  static void factor(Matrix& square);  // S in place of S S^T
   void solve_factored();   // weights = S^-T S^-1 weights
 
   bool identity_ = false, prepared_ = false;
+  Index inner_rows_ = 0;             // m, or the r rows V of the identity
   Matrix inner_, factor_, shifted_;  // D, S and S + sqrt(w) I or S + I; lower triangles
-  Matrix overlap_, spread_;          // of the identity: E = I - V V^T, and X
+  Matrix overlap_, spread_, root_;   // of the identity: E = I - V V^T, X, and the S of K
   Vector optimum_, residual_, weights_, whitened_, spread_of_;
   double damping_ = 0.0, scale_ = 1.0;
 };
