@@ -7,7 +7,7 @@ namespace ghc {
 
 void NullSpace::reset(Index d, Index capacity) {
   if (basis_.cols() != d || basis_.rows() < capacity) basis_.resize(capacity, d);
-  used_ = 0;
+  used_ = 0, trace_ = static_cast<double>(d);
 }
 
 void NullSpace::append(const Eigen::Ref<const Matrix>& rows,
@@ -20,6 +20,7 @@ void NullSpace::append(const Eigen::Ref<const Matrix>& rows,
     for (Index b = before; b < used_; ++b) row -= given.dot(basis_.row(b)) * basis_.row(b);
     const double pivot = e * e * std::max(1.0, given.squaredNorm()) + given.dot(row);
     row /= std::sqrt(std::max(pivot, e * e));
+    trace_ -= row.squaredNorm();
     ++used_;
   }
 }

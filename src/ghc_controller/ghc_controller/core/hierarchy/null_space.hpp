@@ -5,6 +5,8 @@
 // over singular values of about e instead of at once.
 #pragma once
 
+#include <algorithm>
+
 #include "matrix.hpp"
 
 namespace ghc {
@@ -52,6 +54,7 @@ class NullSpace {
   auto basis() const { return basis_.topRows(used_); }  // V (used, d)
   Index used() const { return used_; }
   Index left() const { return basis_.rows() - used_; }  // rows that can still be appended
+  double trace() const { return std::max(trace_, 0.0); }  // of P, no less than its norm
   Index dimension() const { return basis_.cols(); }
 
  private:
@@ -60,6 +63,7 @@ class NullSpace {
   Matrix basis_;  // V; rows from used_ on are free
   Matrix along_;  // rows V^T of `project_rows`
   Index used_ = 0;
+  double trace_ = 0.0;
 };
 
 }  // namespace ghc
