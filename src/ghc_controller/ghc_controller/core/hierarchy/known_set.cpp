@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "row_kernels.hpp"
+
 namespace ghc {
 namespace {
 
@@ -23,6 +25,7 @@ bool KnownSet::solve(const Task& task, std::vector<ActiveRow>& set, Index limit,
   if (static_cast<Index>(set.size()) > task.bounds.count()) return false;
   begin(task, static_cast<Index>(set.size()));
   for (const ActiveRow& active : set) add(active);
+  complete();
   bool first = true;
   for (Index changes = 0;;) {
     if (!factor()) return false;
@@ -31,7 +34,7 @@ bool KnownSet::solve(const Task& task, std::vector<ActiveRow>& set, Index limit,
       const ActiveRow& active = slots_[order_[k]].active;
       const double bound =
           active.side > 0 ? task.bounds.lower(active.row) : task.bounds.upper(active.row);
-      right_[k] = active.side * (bound - task.base[active.row]) / slots_[order_[k]].length;
+      right_[k] = active.side * (bound - task.base[active.row]) * slots_[order_[k]].inverse;
     }
     divide();
     if (drop_wrong()) {
@@ -44,6 +47,7 @@ bool KnownSet::solve(const Task& task, std::vector<ActiveRow>& set, Index limit,
     if (worst.side == 0) break;
     first = false;
     if (pivots_ >= limit || changes++ == kChanges || !add(worst)) return false;
+    complete();
     ++pivots_;
   }
   if (!(task.bounds.violation() <= kFeasible)) return false;
@@ -55,12 +59,12 @@ bool KnownSet::solve(const Task& task, std::vector<ActiveRow>& set, Index limit,
 void KnownSet::begin(const Task& task, Index rows) {
   task_ = &task;
   d_ = task.level.optimum().size(), free_ = task.bounds.free_forces();
-  seen_size_ = task.level.seen();
+  seen_size_ = task.level.seen_rows(), completed_ = 0;
   const Index slots = rows + kChanges + 1;
   reserve(rows_, slots, d_ + free_);
   reserve(seen_, slots, seen_size_), reserve(through_, slots, seen_size_);
   reserve(gram_, slots, slots), reserve(lower_, slots, slots);
-  for (Vector* v : {&right_, &multiplier_}) {
+  for (Vector* v : {&right_, &multiplier_, &direct_, &met_, &across_}) {
     if (v->size() < slots) v->resize(slots);
   }
   pull_.resize(d_ + free_);
@@ -74,8 +78,8 @@ bool KnownSet::add(const ActiveRow& active) {
   const double bound =
       active.side > 0 ? task_->bounds.lower(active.row) : task_->bounds.upper(active.row);
   if (!std::isfinite(bound)) return false;
-  const Index slot = form(active.row);
-  if (slot < 0 || !(slots_[slot].length > kNoLength)) return false;
+  const Index slot = take(active.row);
+  if (slot < 0) return false;
   slots_[slot].active.side = active.side;
   is_active_[active.row] = 1;
   order_.insert(std::upper_bound(order_.begin(), order_.end(), active.row,
@@ -86,29 +90,53 @@ bool KnownSet::add(const ActiveRow& active) {
   return true;
 }
 
-Index KnownSet::form(Index row) {
+Index KnownSet::take(Index row) {
   const Index count = static_cast<Index>(slots_.size());
   for (Index k = 0; k < count; ++k) {
     if (slots_[k].active.row == row) return k;
   }
   if (count == gram_.rows()) return -1;
-  Level& level = task_->level;
-  auto on_y = rows_.row(count).head(d_);
   auto on_free = rows_.row(count).segment(d_, free_);
-  on_y = task_->rows.take(row, task_->force_weight, task_->bounds, task_->above, on_free);
-  auto seen = seen_.row(count).head(seen_size_), through = through_.row(count).head(seen_size_);
-  level.see(on_y, task_->above, seen, through);
-  slots_.push_back({{row, 1}, 0.0});
-  for (Index k = 0; k <= count; ++k) {
-    const bool after = slots_[k].active.row <= row;  // the same of both, whichever came first
-    const double met = level.through(after ? seen_.row(k).data() : seen.data(),
-                                     after ? through.data() : through_.row(k).data(),
-                                     on_y.dot(rows_.row(k).head(d_)));
-    gram_(k, count) = gram_(count, k) =
-        free_ ? met + on_free.dot(rows_.row(k).segment(d_, free_)) : met;
-  }
-  slots_[count].length = std::sqrt(std::max(gram_(count, count), 0.0));
+  rows_.row(count).head(d_) =
+      task_->rows.take(row, task_->force_weight, task_->bounds, task_->above, on_free);
+  slots_.push_back({{row, 1}, 0.0, 0.0});
   return count;
+}
+
+void KnownSet::complete() {
+  const Index count = static_cast<Index>(slots_.size()), first = completed_;
+  if (count == first) return;
+  completed_ = count;
+  Level& level = task_->level;
+  level.see(rows_.row(first).data(), rows_.cols(), count - first, task_->above);
+  seen_.block(first, 0, count - first, seen_size_) = level.seen().transpose();
+  through_.block(first, 0, count - first, seen_size_) = level.through().transpose();
+  for (Index n = first; n < count; ++n) {
+    const Index row = slots_[n].active.row;
+    const double *of_n = rows_.row(n).data(), *seen = seen_.row(n).data();
+    dot_rows(rows_.data(), rows_.cols(), n + 1, of_n, d_, direct_.data());
+    dot_rows(seen_.data(), seen_.cols(), n + 1, through_.row(n).data(), seen_size_, met_.data());
+    dot_rows(through_.data(), through_.cols(), n + 1, seen, seen_size_, across_.data());
+    for (Index k = 0; k <= n; ++k) {
+      // The same of both, whichever came first.
+      const double met = slots_[k].active.row <= row ? met_[k] : across_[k];
+      double entry = level.product(direct_[k], met);
+      if (free_) {
+        entry += rows_.row(n).segment(d_, free_).dot(rows_.row(k).segment(d_, free_));
+      }
+      gram_(k, n) = gram_(n, k) = entry;
+    }
+    Slot& slot = slots_[n];
+    slot.length = std::sqrt(std::max(gram_(n, n), 0.0));
+    slot.inverse = slot.length > kNoLength ? 1.0 / slot.length : 0.0;
+  }
+  order_.erase(std::remove_if(order_.begin(), order_.end(),
+                              [this](Index k) {
+                                if (slots_[k].length > kNoLength) return false;
+                                is_active_[slots_[k].active.row] = 0;
+                                return true;
+                              }),
+               order_.end());
 }
 
 bool KnownSet::factor() {
@@ -118,8 +146,8 @@ bool KnownSet::factor() {
     double left = 1.0;
     for (Index c = 0; c < r; ++c) {
       const Slot& of_col = slots_[order_[c]];
-      double entry = of_row.active.side * of_col.active.side * gram_(order_[r], order_[c]) /
-                     (of_row.length * of_col.length);
+      double entry = of_row.active.side * of_col.active.side * gram_(order_[r], order_[c]) *
+                     (of_row.inverse * of_col.inverse);
       for (Index k = 0; k < c; ++k) entry -= lower_(r, k) * lower_(c, k);
       entry *= lower_(c, c);  // holds its inverse
       lower_(r, c) = entry;
@@ -165,8 +193,8 @@ void KnownSet::move(Vector& y) {
   pull_.setZero();
   for (size_t k = 0; k < order_.size(); ++k) {
     const Slot& slot = slots_[order_[k]];
-    pull_ += (multiplier_[k] * slot.active.side / slot.length) *
-             ConstVector(rows_.row(order_[k]).data(), d_ + free_);
+    const double weight = multiplier_[k] * slot.active.side * slot.inverse;
+    add_weighted<1>(rows_.row(order_[k]).data(), 0, &weight, 1.0, d_ + free_, pull_.data());
   }
   task_->level.step_of_pull(pull_.head(d_), task_->above, step_);
   y = task_->level.optimum() + step_;
@@ -181,7 +209,7 @@ double KnownSet::miss() {
     const double bound = active.side > 0 ? task_->bounds.lower(active.row)
                                          : task_->bounds.upper(active.row);
     const double left = bound - task_->bounds.values()[active.row];
-    right_[k] = active.side * left / slot.length;
+    right_[k] = active.side * left * slot.inverse;
     const double size = std::abs(left) / task_->bounds.scale()[active.row];
     if (!(size <= worst)) worst = size;  // NaN stays
   }

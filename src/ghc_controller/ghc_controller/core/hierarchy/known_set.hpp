@@ -39,12 +39,13 @@ class KnownSet {
  private:
   struct Slot {  // of a row that is or was active
     ActiveRow active;
-    double length;  // root of its entry of G
+    double length, inverse;  // root of its entry of G
   };
 
   void begin(const Task& task, Index rows);
-  bool add(const ActiveRow& active);  // false: it has no length, or no bound
-  Index form(Index row);              // its slot, -1: there is none left
+  bool add(const ActiveRow& active);  // false: it has no bound
+  Index take(Index row);              // its slot, -1: there is none left
+  void complete();                    // G of the slots taken since; rows without length leave
   bool factor();                      // G of the active rows; false: they are nearly dependent
   void divide();                      // right_ = G^-1 right_, both of rows of length one
   bool drop_wrong();                  // rows whose multiplier has the wrong sign
@@ -56,10 +57,10 @@ class KnownSet {
   std::vector<Slot> slots_;
   std::vector<Index> order_;     // slots of the active rows, by row
   std::vector<char> is_active_;  // (rows of the bounds)
-  Matrix rows_, seen_, through_;  // (slots, p), (slots, k) twice: see Level::see
+  Matrix rows_, seen_, through_;  // (slots, p), (slots, k) twice: Level::see
   Matrix gram_, lower_;           // (slots, slots) G, and L of the active rows in their order
-  Vector right_, multiplier_, pull_, step_;
-  Index d_ = 0, free_ = 0, seen_size_ = 0, pivots_ = 0;
+  Vector right_, multiplier_, pull_, step_, direct_, met_, across_;
+  Index d_ = 0, free_ = 0, seen_size_ = 0, completed_ = 0, pivots_ = 0;
 };
 
 }  // namespace ghc

@@ -70,12 +70,8 @@ template <typename Rows>
 void gram(const Rows& rows, Matrix& out) {
   const Index m = rows.rows();
   out.resize(m, m);
-  if (m > kFew) {
-    out.template triangularView<Eigen::Lower>() = rows * rows.transpose();
-    return;
-  }
   for (Index r = 0; r < m; ++r) {
-    for (Index c = 0; c <= r; ++c) out(r, c) = rows.row(r).dot(rows.row(c));
+    dot_rows(rows.data(), rows.outerStride(), r + 1, rows.row(r).data(), rows.cols(), &out(r, 0));
   }
 }
 
@@ -130,12 +126,13 @@ void Level::solve_identity(const Eigen::Ref<const Vector>& target,
   factor(factor_);
   whitened_.resize(d), optimum_.resize(d);
   above.project(residual_.transpose(), whitened_.transpose());
-  weights_.noalias() = V * whitened_;
-  spread_of_.noalias() = overlap_ * weights_;
+  weights_.resize(r), spread_of_.resize(r);
+  times(V, whitened_, weights_);
+  times(overlap_, weights_, spread_of_);
   weights_ += spread_of_;  // (I + E) V u
   solve_factored();
-  whitened_.noalias() += V.transpose() * weights_;
-  whitened_ /= 1.0 + damping_;
+  add_rows(V, weights_, 1.0, whitened_);
+  whitened_ *= 1.0 / (1.0 + damping_);
   above.project(whitened_.transpose(), optimum_.transpose());
   optimum_ += y;
 }
@@ -204,21 +201,34 @@ void Level::step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vect
   above.project(whitened_.transpose(), out.transpose());
 }
 
-void Level::see(const Eigen::Ref<const RowVector>& b, const NullSpace& above,
-                Eigen::Ref<RowVector> seen, Eigen::Ref<RowVector> through) {
-  weights_.resize(inner_rows_);
-  if (!identity_) {
-    times(inner_, b, weights_);
-    divide_by_lower(factor_, weights_);
-    seen = weights_.transpose();
-  } else {
-    times(above.basis(), b, weights_);
-    seen = weights_.transpose();
-    spread_of_.noalias() = overlap_ * weights_;
-    weights_ += spread_of_;
-    solve_factored();
+void Level::see(const double* rows, Index stride, Index count, const NullSpace& above) {
+  const Index k = inner_rows_;
+  seen_.resize(k, count);
+  const auto V = above.basis();
+  for (Index i = 0; i < k; ++i) {
+    const double* of_level = identity_ ? V.row(i).data() : inner_.row(i).data();
+    dot_rows(rows, stride, count, of_level, optimum_.size(), seen_.row(i).data());
   }
-  through = weights_.transpose();
+  through_ = seen_;
+  if (identity_) {
+    for (Index i = 0; i < k; ++i) {
+      add_weighted(seen_.data(), count, k, overlap_.row(i).data(), 1.0, count,
+                   through_.row(i).data());
+    }
+  }
+  for (Index i = 0; i < k; ++i) {  // S^-1, all rows at once
+    double* out = through_.row(i).data();
+    add_weighted(through_.data(), count, i, factor_.row(i).data(), -1.0, count, out);
+    through_.row(i) *= 1.0 / factor_(i, i);
+  }
+  if (!identity_) {
+    seen_ = through_;
+    return;
+  }
+  for (Index i = k - 1; i >= 0; --i) {  // S^-T
+    through_.row(i) *= 1.0 / factor_(i, i);
+    for (Index c = 0; c < i; ++c) through_.row(c) -= factor_(i, c) * through_.row(i);
+  }
 }
 
 void Level::step_of_pull(const Eigen::Ref<const Vector>& pull, const NullSpace& above,
@@ -229,14 +239,15 @@ void Level::step_of_pull(const Eigen::Ref<const Vector>& pull, const NullSpace& 
     times(inner_, pull, weights_);
     solve_factored();
     add_rows(inner_, weights_, -1.0, whitened_);
-    whitened_ /= damping_;
+    whitened_ *= 1.0 / damping_;
   } else {
     times(above.basis(), pull, weights_);
-    spread_of_.noalias() = overlap_ * weights_;
+    spread_of_.resize(inner_rows_);
+    times(overlap_, weights_, spread_of_);
     weights_ += spread_of_;
     solve_factored();
     add_rows(above.basis(), weights_, 1.0, whitened_);
-    whitened_ /= 1.0 + damping_;
+    whitened_ *= 1.0 / (1.0 + damping_);
   }
   out.resize(pull.size());
   above.project(whitened_.transpose(), out.transpose());

@@ -50,17 +50,17 @@ class Level {
   // out (d,) = P F s, the step of accelerations of s (d,).
   void step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vector& out);
 
-  // Products b_i H^-1 b_j of rows b (d,) = e P, H = A^T A + w I, without `prepare`, by what the
-  // level sees of each row: S^-1 A b twice, or V b and X V b.
-  Index seen() const { return inner_rows_; }
-  void see(const Eigen::Ref<const RowVector>& b, const NullSpace& above,
-           Eigen::Ref<RowVector> seen, Eigen::Ref<RowVector> through);
+  // For products b_i H^-1 b_j of rows b (d,) = e P, H = A^T A + w I, without `prepare`: what the
+  // level sees of `count` of them, and the same through its factor, a column each of (k, count):
+  // S^-1 A b twice, or V b and X V b.
+  void see(const double* rows, Index stride, Index count, const NullSpace& above);
+  const Matrix& seen() const { return seen_; }
+  const Matrix& through() const { return through_; }
+  Index seen_rows() const { return inner_rows_; }
 
-  // b_i H^-1 b_j from the first of the one, the second of the other, and b_i b_j.
-  double through(const double* seen, const double* through, double product) const {
-    double met = 0.0;
-    for (Index k = 0; k < inner_rows_; ++k) met += seen[k] * through[k];
-    return identity_ ? (product + met) / (1.0 + damping_) : (product - met) / damping_;
+  // b_i H^-1 b_j from b_i b_j and what is seen of the one times the other through the factor.
+  double product(double direct, double met) const {
+    return identity_ ? (direct + met) / (1.0 + damping_) : (direct - met) / damping_;
   }
 
   // out (d,) = P H^-1 pull, the step of accelerations of a pull (d,) on u.
@@ -77,6 +77,7 @@ class Level {
   Index inner_rows_ = 0;             // m, or the r rows V of the identity
   Matrix inner_, factor_, shifted_;  // D, S and S + sqrt(w) I or S + I; lower triangles
   Matrix overlap_, spread_, root_;   // of the identity: E = I - V V^T, X, and the S of K
+  Matrix seen_, through_;            // of `see`
   Vector optimum_, residual_, weights_, whitened_, spread_of_;
   double damping_ = 0.0, scale_ = 1.0;
 };
