@@ -116,9 +116,14 @@ void KnownSet::complete() {
     const double *of_n = rows_.row(n).data(), *seen = seen_.row(n).data();
     dot_rows(rows_.data(), rows_.cols(), n + 1, of_n, d_, direct_.data());
     dot_rows(seen_.data(), seen_.cols(), n + 1, through_.row(n).data(), seen_size_, met_.data());
-    dot_rows(through_.data(), through_.cols(), n + 1, seen, seen_size_, across_.data());
+    // The same product of both, whichever came first.
+    const bool in_order = std::none_of(slots_.begin(), slots_.begin() + n, [row](const Slot& slot) {
+      return slot.active.row > row;
+    });
+    if (!in_order) {
+      dot_rows(through_.data(), through_.cols(), n + 1, seen, seen_size_, across_.data());
+    }
     for (Index k = 0; k <= n; ++k) {
-      // The same of both, whichever came first.
       const double met = slots_[k].active.row <= row ? met_[k] : across_[k];
       double entry = level.product(direct_[k], met);
       if (free_) {
@@ -194,7 +199,7 @@ void KnownSet::move(Vector& y) {
   for (size_t k = 0; k < order_.size(); ++k) {
     const Slot& slot = slots_[order_[k]];
     const double weight = multiplier_[k] * slot.active.side * slot.inverse;
-    add_weighted<1>(rows_.row(order_[k]).data(), 0, &weight, 1.0, d_ + free_, pull_.data());
+    add_weighted(rows_.row(order_[k]).data(), 0, 1, &weight, 1.0, d_ + free_, pull_.data());
   }
   task_->level.step_of_pull(pull_.head(d_), task_->above, step_);
   y = task_->level.optimum() + step_;
