@@ -42,7 +42,10 @@ bool is_identity(const Eigen::Ref<const Matrix>& square) {
 }  // namespace
 
 Cascade::Cascade(std::vector<std::int64_t> rows, std::vector<std::int64_t> ends)
-    : rows_(std::move(rows)), ends_(std::move(ends)), memory_(ends_.size()) {
+    : rows_(std::move(rows)),
+      ends_(std::move(ends)),
+      memory_(ends_.size()),
+      level_(ends_.size()) {
   const bool ascend = std::is_sorted(ends_.begin(), ends_.end());
   if (ends_.empty() || !ascend || ends_.front() < 0 ||
       ends_.back() != static_cast<std::int64_t>(rows_.size())) {
@@ -72,25 +75,26 @@ Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, con
   for (Index l = 0; l < levels; ++l, ++answered_) {
     if (l && effort.deadline.over()) return l;
     if (l && close(l, damping, effort)) return levels;
+    Level& level = level_[l];
     const Index begin = l ? ends_[l - 1] : 0, size = ends_[l] - begin;
     const auto rows = jacobian_.middleRows(begin, size);
     const auto target_of_level = target_.segment(begin, size);
     const bool by_identity = size == d && above_.used() < d && is_identity(rows);
     if (by_identity) {
-      level_.solve_identity(target_of_level, y_, above_, damping.regularization);
+      level.solve_identity(target_of_level, y_, above_, damping.regularization);
     } else {
-      level_.solve(rows, target_of_level, y_, above_, damping.regularization);
+      level.solve(rows, target_of_level, y_, above_, damping.regularization);
     }
-    bounds_.evaluate(level_.optimum(), none_, 1.0);
+    bounds_.evaluate(level.optimum(), none_, 1.0);
     if (bounds_.inside()) {
-      y_ = level_.optimum();
+      y_ = level.optimum();
       if (qps_) violation_ = bounds_.violation_of_given();
     } else {
       const Index left = std::min(effort.of_qp, effort.of_order - pivots_);
       if (!effort.bounded || !bounds_.balanced() || left <= 0) return l;
       const double weight = l + 1 == levels ? 1.0 : kUpperForceWeight;
       const bool solved =
-          active_set_.solve(level_, above_, bounds_, bound_rows_, weight, memory_[l], left);
+          active_set_.solve(level, above_, bounds_, bound_rows_, weight, memory_[l], left);
       pivots_ += active_set_.pivots();
       const double violation = solved ? bounds_.violation_of_given() : kViolation;
       if (!solved || !(violation <= kViolation)) return l;
@@ -102,7 +106,7 @@ Index Cascade::solve(const ConstMatrix& jacobian, const ConstVector& target, con
     take_point();
     if (l + 1 == levels) continue;
     if (by_identity) above_.project_rows(rows, projected_);
-    above_.append(rows, by_identity ? projected_ : level_.rows(), damping.null_space);
+    above_.append(rows, by_identity ? projected_ : level.rows(), damping.null_space);
   }
   return levels;
 }

@@ -67,7 +67,7 @@ class Cascade {
   Vector closed_, residual_, pull_, across_;  // of `close`
   const Vector none_;  // no free forces
   NullSpace above_;
-  Level level_;
+  std::vector<Level> level_;  // one each, so that no tick allocates
   Bounds bounds_;
   ProjectedRows bound_rows_;
   ActiveSet active_set_;

@@ -128,6 +128,8 @@ GHC_INLINE void add_all(const double* rows, Index stride, Index m, const double*
   if (m == 1) add<Lanes, 1>(rows, stride, weights, sign, d, out);
 }
 
+constexpr Index kArm = 7;  // numbers of a row for which loops are unrolled: the joints of most arms
+
 #ifdef GHC_WIDE
 constexpr Index kWide = 16;  // numbers of a row from which on wider registers pay
 const bool has_avx2 = __builtin_cpu_supports("avx2");
@@ -149,6 +151,7 @@ void dot_rows(const double* rows, Index stride, Index m, const double* x, Index 
 #ifdef GHC_WIDE
   if (d >= kWide && has_avx2) return dot_wide(rows, stride, m, x, d, out);
 #endif
+  if (d == kArm) return dot_all<Narrow>(rows, stride, m, x, kArm, out);
   dot_all<Narrow>(rows, stride, m, x, d, out);
 }
 
@@ -157,6 +160,7 @@ void add_weighted(const double* rows, Index stride, Index m, const double* weigh
 #ifdef GHC_WIDE
   if (d >= kWide && has_avx2) return add_wide(rows, stride, m, weights, sign, d, out);
 #endif
+  if (d == kArm) return add_all<Narrow>(rows, stride, m, weights, sign, kArm, out);
   add_all<Narrow>(rows, stride, m, weights, sign, d, out);
 }
 
