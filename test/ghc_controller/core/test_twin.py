@@ -49,3 +49,23 @@ def test_a_tick_is_that_of_the_twin(kind: str) -> None:
             (found.acceleration, found.force, found.torque), twin_answer(problem), strict=True
         ):
             assert apart(value, wanted) < 1e-10
+
+
+@pytest.mark.parametrize("size", [1.0, 1e3, 1e6])
+def test_levels_without_a_direction_left_are_those_of_the_twin(size: float) -> None:
+    """Seven joints, spent by the first three levels; goals of any size to 1e-10. Seed 9.
+
+    The core answers the last levels at once where they cannot move by 1e-9 rad/s^2.
+    """
+    rng = np.random.default_rng(9)
+    sizes = [3, 3, 3, 3, 7]
+    for _ in range(20):
+        problem = unbounded(random_problem(rng, 7, sizes, strict_alpha(5)))
+        target = problem.target.copy()
+        target[sum(sizes[:3]) :] *= size
+        problem = replace(problem, velocity=rng.normal(size=7), target=target)
+        found = make_formulation("cascade").solve(problem)
+        for value, wanted in zip(
+            (found.acceleration, found.torque), twin_answer(problem)[::2], strict=True
+        ):
+            assert apart(value, wanted) < 1e-10

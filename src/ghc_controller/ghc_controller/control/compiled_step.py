@@ -85,10 +85,9 @@ class CompiledStep:
             time, state.q, state.v, mixture[1], solver.step_time
         )
         if type(found) is StepResult:
-            if found.solution.qp_solved:
-                solver.account(found.solution.iterations, core.qps)
-            else:
-                solver.step_pivots = 0
+            pivots = solver.step_pivots = found[3][7]  # `solution.iterations`, by their places
+            if pivots:
+                solver.qps += core.qps
         elif found is not None:
             self._rests = False
             solver.end = core.end

@@ -9,19 +9,22 @@
 namespace ghc {
 namespace {
 
-constexpr double kMet = 1e-9;         // [-] a row violated by less, over its length, is met
-constexpr double kFeasible = 5e-8;    // [rad/s^2], [Nm], [N] of an answer
 constexpr double kDependent = 1e-11;  // [-] length of what is left of a row on the active ones
 constexpr double kCancelled = 0.1;    // [-] square of what a pass leaves, below it another follows
-constexpr double kNoLength = 1e-9;    // [-] of a row that no s moves
 constexpr double kStationary = 1e-7;  // [-] of s - N^T lambda, over 1 + |s|
-constexpr double kWrongSign = 1e-9;   // [-] of the largest multiplier
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
 bool ActiveSet::solve(Level& level, const NullSpace& above, Bounds& bounds, ProjectedRows& rows,
                       double force_weight, std::vector<ActiveRow>& memory, Index limit) {
+  bounds.prepare();
+  base_ = bounds.values();  // stands at the optimum without bounds
+  const KnownSet::Task task{level, above, bounds, rows, force_weight, base_};
+  if (known_.solve(task, memory, limit, y_)) {
+    pivots_ = known_.pivots();
+    return true;
+  }
   begin(level, above, bounds, rows, force_weight);
   start_from(memory);
   // Mostly the set of the tick before is that of this one: then one evaluation shows it.
@@ -30,12 +33,17 @@ bool ActiveSet::solve(Level& level, const NullSpace& above, Bounds& bounds, Proj
   while (true) {
     if (final && !refine()) return false;
     evaluate();
-    const ActiveRow worst = most_violated();
+    const ActiveRow worst = most_violated(*bounds_, is_active_);
     if (worst.side != 0) {
       if (!enter(worst, limit)) return false;
       answer(), final = false;
     } else if (!final) {
-      factor(in_order()), final = true;
+      std::vector<ActiveRow> found = in_order();
+      if (known_.solve(task, found, 1, y_)) {
+        memory = found;
+        return true;
+      }
+      factor(found), final = true;
     } else {
       break;
     }
@@ -68,7 +76,6 @@ void ActiveSet::begin(Level& level, const NullSpace& above, Bounds& bounds, Proj
                       double force_weight) {
   level_ = &level, above_ = &above, bounds_ = &bounds, rows_ = &rows, weight_ = force_weight;
   level.prepare(above);
-  bounds.prepare();
   d_ = level.optimum().size();
   const Index p = d_ + bounds.free_forces();
   for (Matrix* matrix : {&normals_, &basis_, &triangle_}) matrix->resize(p, p);
@@ -77,7 +84,6 @@ void ActiveSet::begin(Level& level, const NullSpace& above, Bounds& bounds, Proj
   formed_.resize(bounds.count(), p), length_.setConstant(bounds.count(), -1.0);
   is_active_.assign(bounds.count(), 0);
   size_ = 0, pivots_ = 1;
-  base_ = bounds.values();  // stands at the optimum without bounds
 }
 
 void ActiveSet::start_from(const std::vector<ActiveRow>& memory) {
@@ -223,19 +229,6 @@ void ActiveSet::evaluate() {
   level_->step(s_.head(d_), *above_, y_);
   y_ += level_->optimum();
   bounds_->evaluate(y_, s_.tail(s_.size() - d_), weight_);
-}
-
-ActiveRow ActiveSet::most_violated() const {
-  ActiveRow worst{-1, 0};
-  double most = kMet;
-  const Vector &values = bounds_->values(), &scale = bounds_->scale();
-  for (Index i = 0; i < bounds_->count(); ++i) {
-    const double below = bounds_->lower(i) - values[i], above = values[i] - bounds_->upper(i);
-    const double by = std::max(below, above);
-    if (!(by > most * scale[i]) || is_active_[i]) continue;
-    most = by / scale[i], worst = {i, below > above ? 1 : -1};
-  }
-  return worst;
 }
 
 }  // namespace ghc

@@ -5,22 +5,20 @@
 // N^T = Q^T R, so s = Q^T R^-T (right side) and lambda = R^-1 Q s. It starts from the active set
 // of the same level one tick before: rows whose multiplier has the wrong sign are dropped until
 // none is left, which is the optimum of a part of the rows, as good a start as none. Rows are
-// formed only when they become active.
+// formed only when they become active. Where that set is right, or wrong by a few rows, `KnownSet`
+// has the answer before any of this begins, and the digits of an answer are always its.
 #pragma once
 
 #include <vector>
 
+#include "active_row.hpp"
 #include "bounds.hpp"
+#include "known_set.hpp"
 #include "level.hpp"
 #include "null_space.hpp"
 #include "projected_rows.hpp"
 
 namespace ghc {
-
-struct ActiveRow {
-  Index row;
-  int side;  // +1 at its lower bound, -1 at its upper one
-};
 
 class ActiveSet {
  public:
@@ -48,7 +46,6 @@ class ActiveSet {
   bool enter(ActiveRow active, Index limit);    // make one violated row active
   bool refine();                                // s again, its active rows to rounding
   void evaluate();                              // y and every row at s
-  ActiveRow most_violated() const;              // side 0: none
 
   Level* level_ = nullptr;
   const NullSpace* above_ = nullptr;
@@ -57,6 +54,7 @@ class ActiveSet {
   double weight_ = 1.0;
   Index d_ = 0, size_ = 0, pivots_ = 0;         // size_ = q
 
+  KnownSet known_;
   std::vector<ActiveRow> active_;
   std::vector<char> is_active_;                 // (rows of the bounds)
   Matrix normals_, basis_, triangle_;           // N (q, p), Q (q, p), R (q, q) upper

@@ -54,13 +54,20 @@ class Cascade {
   void forget() { for (auto& set : memory_) set.clear(); }
 
  private:
+  // Answer what is left from a level on, where the levels above leave next to nothing: P of norm
+  // t, so that a level moves accelerations by P P J^T r / w but for a part of t^2 |J|^2 / w, and by
+  // t^2 |J| |r| / w at most. False: nothing was done, as that is too much or meets a bound.
+  bool close(Index first, const Damping& damping, const Effort& effort);
+  void take_point();  // accelerations, torques and forces of the point at which the bounds stand
+
   std::vector<std::int64_t> rows_, ends_;
   std::vector<std::vector<ActiveRow>> memory_;  // active set of each level
   Matrix jacobian_, projected_;
   Vector target_, y_, x_, torque_, force_;
+  Vector closed_, residual_, pull_, across_;  // of `close`
   const Vector none_;  // no free forces
   NullSpace above_;
-  Level level_;
+  std::vector<Level> level_;  // one each, so that no tick allocates
   Bounds bounds_;
   ProjectedRows bound_rows_;
   ActiveSet active_set_;

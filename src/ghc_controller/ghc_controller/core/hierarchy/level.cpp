@@ -70,12 +70,8 @@ template <typename Rows>
 void gram(const Rows& rows, Matrix& out) {
   const Index m = rows.rows();
   out.resize(m, m);
-  if (m > kFew) {
-    out.template triangularView<Eigen::Lower>() = rows * rows.transpose();
-    return;
-  }
   for (Index r = 0; r < m; ++r) {
-    for (Index c = 0; c <= r; ++c) out(r, c) = rows.row(r).dot(rows.row(c));
+    dot_rows(rows.data(), rows.outerStride(), r + 1, rows.row(r).data(), rows.cols(), &out(r, 0));
   }
 }
 
@@ -92,7 +88,7 @@ double level_damping(Index m, double jacobian, double rows, double residual, dou
 void Level::solve(const Eigen::Ref<const Matrix>& jacobian, const Eigen::Ref<const Vector>& target,
                   const Eigen::Ref<const Vector>& y, NullSpace& above, double w) {
   const Index m = jacobian.rows(), d = jacobian.cols();
-  identity_ = prepared_ = false;
+  identity_ = prepared_ = false, inner_rows_ = m;
   above.project_rows(jacobian, inner_);
   residual_.resize(m);
   times(jacobian, y, residual_);
@@ -101,7 +97,7 @@ void Level::solve(const Eigen::Ref<const Matrix>& jacobian, const Eigen::Ref<con
                            residual_.squaredNorm(), w);
   gram(inner_, factor_);
   factor_.diagonal().array() += damping_;
-  factor();
+  factor(factor_);
   weights_ = residual_;
   solve_factored();
   whitened_.setZero(d), optimum_.resize(d);
@@ -116,7 +112,7 @@ void Level::solve_identity(const Eigen::Ref<const Vector>& target,
                            const Eigen::Ref<const Vector>& y, const NullSpace& above, double w) {
   const Index d = target.size(), r = above.used();
   const auto V = above.basis();
-  identity_ = true, prepared_ = false;
+  identity_ = true, prepared_ = false, inner_rows_ = r;
   gram(V, overlap_);
   overlap_ *= -1.0;
   overlap_.diagonal().array() += 1.0;
@@ -127,15 +123,16 @@ void Level::solve_identity(const Eigen::Ref<const Vector>& target,
                            static_cast<double>(d - r) + factor_.trace(), residual_.squaredNorm(),
                            w);
   factor_.diagonal().array() += damping_;
-  factor();
+  factor(factor_);
   whitened_.resize(d), optimum_.resize(d);
   above.project(residual_.transpose(), whitened_.transpose());
-  weights_.noalias() = V * whitened_;
-  spread_of_.noalias() = overlap_ * weights_;
+  weights_.resize(r), spread_of_.resize(r);
+  times(V, whitened_, weights_);
+  times(overlap_, weights_, spread_of_);
   weights_ += spread_of_;  // (I + E) V u
   solve_factored();
-  whitened_.noalias() += V.transpose() * weights_;
-  whitened_ /= 1.0 + damping_;
+  add_rows(V, weights_, 1.0, whitened_);
+  whitened_ *= 1.0 / (1.0 + damping_);
   above.project(whitened_.transpose(), optimum_.transpose());
   optimum_ += y;
 }
@@ -154,23 +151,22 @@ void Level::prepare(const NullSpace& above) {
   spread_ = overlap_;
   spread_.diagonal().array() += 1.0;
   solve_columns(factor_, spread_);  // X
-  factor_ = spread_;
-  factor();  // X_h
-  times_transposed(factor_, above.basis(), inner_);
-  gram(inner_, factor_);
-  factor_.diagonal().array() += 1.0;
-  factor();
-  shifted_ = factor_;
+  factor(spread_);  // X_h
+  times_transposed(spread_, above.basis(), inner_);
+  gram(inner_, root_);
+  root_.diagonal().array() += 1.0;
+  factor(root_);
+  shifted_ = root_;
   shifted_.diagonal().array() += 1.0;
   scale_ = 1.0 / std::sqrt(1.0 + damping_);
 }
 
 // What Eigen::LLT does in place, without the norm that it takes to estimate the condition.
-void Level::factor() {
-  if (factor_.rows() <= kFew) {
-    factor_small(factor_);
+void Level::factor(Matrix& square) {
+  if (square.rows() <= kFew) {
+    factor_small(square);
   } else {
-    Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(factor_);
+    Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(square);
   }
 }
 
@@ -202,6 +198,58 @@ void Level::step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vect
   add_rows(inner_, weights_, 1.0, whitened_);
   whitened_ *= scale_;
   out.resize(s.size());
+  above.project(whitened_.transpose(), out.transpose());
+}
+
+void Level::see(const double* rows, Index stride, Index count, const NullSpace& above) {
+  const Index k = inner_rows_;
+  seen_.resize(k, count);
+  const auto V = above.basis();
+  for (Index i = 0; i < k; ++i) {
+    const double* of_level = identity_ ? V.row(i).data() : inner_.row(i).data();
+    dot_rows(rows, stride, count, of_level, optimum_.size(), seen_.row(i).data());
+  }
+  through_ = seen_;
+  if (identity_) {
+    for (Index i = 0; i < k; ++i) {
+      add_weighted(seen_.data(), count, k, overlap_.row(i).data(), 1.0, count,
+                   through_.row(i).data());
+    }
+  }
+  for (Index i = 0; i < k; ++i) {  // S^-1, all rows at once
+    double* out = through_.row(i).data();
+    add_weighted(through_.data(), count, i, factor_.row(i).data(), -1.0, count, out);
+    through_.row(i) *= 1.0 / factor_(i, i);
+  }
+  if (!identity_) {
+    seen_ = through_;
+    return;
+  }
+  for (Index i = k - 1; i >= 0; --i) {  // S^-T
+    through_.row(i) *= 1.0 / factor_(i, i);
+    for (Index c = 0; c < i; ++c) through_.row(c) -= factor_(i, c) * through_.row(i);
+  }
+}
+
+void Level::step_of_pull(const Eigen::Ref<const Vector>& pull, const NullSpace& above,
+                         Vector& out) {
+  whitened_ = pull;
+  weights_.resize(inner_rows_);
+  if (!identity_) {
+    times(inner_, pull, weights_);
+    solve_factored();
+    add_rows(inner_, weights_, -1.0, whitened_);
+    whitened_ *= 1.0 / damping_;
+  } else {
+    times(above.basis(), pull, weights_);
+    spread_of_.resize(inner_rows_);
+    times(overlap_, weights_, spread_of_);
+    weights_ += spread_of_;
+    solve_factored();
+    add_rows(above.basis(), weights_, 1.0, whitened_);
+    whitened_ *= 1.0 / (1.0 + damping_);
+  }
+  out.resize(pull.size());
   above.project(whitened_.transpose(), out.transpose());
 }
 

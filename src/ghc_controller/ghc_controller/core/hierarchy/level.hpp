@@ -50,16 +50,34 @@ class Level {
   // out (d,) = P F s, the step of accelerations of s (d,).
   void step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vector& out);
 
+  // For products b_i H^-1 b_j of rows b (d,) = e P, H = A^T A + w I, without `prepare`: what the
+  // level sees of `count` of them, and the same through its factor, a column each of (k, count):
+  // S^-1 A b twice, or V b and X V b.
+  void see(const double* rows, Index stride, Index count, const NullSpace& above);
+  const Matrix& seen() const { return seen_; }
+  const Matrix& through() const { return through_; }
+  Index seen_rows() const { return inner_rows_; }
+
+  // b_i H^-1 b_j from b_i b_j and what is seen of the one times the other through the factor.
+  double product(double direct, double met) const {
+    return identity_ ? (direct + met) / (1.0 + damping_) : (direct - met) / damping_;
+  }
+
+  // out (d,) = P H^-1 pull, the step of accelerations of a pull (d,) on u.
+  void step_of_pull(const Eigen::Ref<const Vector>& pull, const NullSpace& above, Vector& out);
+
  private:
   // F = scale (I + D^T K D): D = A and K = -S^-T (S + sqrt(w) I)^-1, or D = W and K = (S + I)^-1.
   void weights_times_k();  // weights^T K in place
   void k_times_weights();  // K weights in place
-  void factor();           // S in place of S S^T
+  static void factor(Matrix& square);  // S in place of S S^T
   void solve_factored();   // weights = S^-T S^-1 weights
 
   bool identity_ = false, prepared_ = false;
+  Index inner_rows_ = 0;             // m, or the r rows V of the identity
   Matrix inner_, factor_, shifted_;  // D, S and S + sqrt(w) I or S + I; lower triangles
-  Matrix overlap_, spread_;          // of the identity: E = I - V V^T, and X
+  Matrix overlap_, spread_, root_;   // of the identity: E = I - V V^T, X, and the S of K
+  Matrix seen_, through_;            // of `see`
   Vector optimum_, residual_, weights_, whitened_, spread_of_;
   double damping_ = 0.0, scale_ = 1.0;
 };

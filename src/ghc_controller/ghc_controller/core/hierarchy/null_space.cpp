@@ -7,7 +7,8 @@ namespace ghc {
 
 void NullSpace::reset(Index d, Index capacity) {
   if (basis_.cols() != d || basis_.rows() < capacity) basis_.resize(capacity, d);
-  used_ = 0;
+  along_.resize(basis_.rows());
+  used_ = 0, trace_ = static_cast<double>(d);
 }
 
 void NullSpace::append(const Eigen::Ref<const Matrix>& rows,
@@ -17,9 +18,10 @@ void NullSpace::append(const Eigen::Ref<const Matrix>& rows,
     const auto given = rows.row(r);
     auto row = basis_.row(used_);
     row = projected.row(r);
-    for (Index b = before; b < used_; ++b) row -= given.dot(basis_.row(b)) * basis_.row(b);
+    project_on(given, before, row);
     const double pivot = e * e * std::max(1.0, given.squaredNorm()) + given.dot(row);
-    row /= std::sqrt(std::max(pivot, e * e));
+    row *= 1.0 / std::sqrt(std::max(pivot, e * e));
+    trace_ -= row.squaredNorm();
     ++used_;
   }
 }

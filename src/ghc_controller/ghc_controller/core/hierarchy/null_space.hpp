@@ -5,6 +5,9 @@
 // over singular values of about e instead of at once.
 #pragma once
 
+#include <algorithm>
+
+#include "few_rows.hpp"
 #include "matrix.hpp"
 
 namespace ghc {
@@ -24,26 +27,22 @@ class NullSpace {
   template <typename Row, typename Out>
   void project(const Eigen::MatrixBase<Row>& row, Eigen::MatrixBase<Out>&& out) const {
     out = row;
-    project_on(row, 0, out.derived());
+    project_on(row.derived(), 0, out.derived());
   }
 
   // The same, where the first rows of V are taken off already.
   template <typename Row, typename Out>
-  void project_on(const Eigen::MatrixBase<Row>& row, Index first, Out&& out) const {
-    for (Index b = first; b < used_; ++b) out -= row.dot(basis_.row(b)) * basis_.row(b);
+  void project_on(const Row& row, Index first, Out&& out) const {
+    const auto V = basis_.middleRows(first, used_ - first);
+    times(V, row, along_);
+    add_rows(V, along_, -1.0, out);
   }
 
   // out (m, d) = rows P.
-  void project_rows(const Eigen::Ref<const Matrix>& rows, Matrix& out) {
+  void project_rows(const Eigen::Ref<const Matrix>& rows, Matrix& out) const {
     out = rows;
     if (used_ == 0) return;
-    if (dimension() <= kShort) {
-      for (Index r = 0; r < rows.rows(); ++r) project_on(rows.row(r), 0, out.row(r));
-      return;
-    }
-    const auto V = basis_.topRows(used_);
-    along_.noalias() = rows * V.transpose();
-    out.noalias() -= along_ * V;
+    for (Index r = 0; r < rows.rows(); ++r) project_on(rows.row(r), 0, out.row(r));
   }
 
   // P (d, d).
@@ -52,14 +51,14 @@ class NullSpace {
   auto basis() const { return basis_.topRows(used_); }  // V (used, d)
   Index used() const { return used_; }
   Index left() const { return basis_.rows() - used_; }  // rows that can still be appended
+  double trace() const { return std::max(trace_, 0.0); }  // of P, no less than its norm
   Index dimension() const { return basis_.cols(); }
 
  private:
-  static constexpr Index kShort = 12;  // directions up to which products of matrices do not pay
-
-  Matrix basis_;  // V; rows from used_ on are free
-  Matrix along_;  // rows V^T of `project_rows`
+  Matrix basis_;           // V; rows from used_ on are free
+  mutable Vector along_;   // V row of `project_on`
   Index used_ = 0;
+  double trace_ = 0.0;
 };
 
 }  // namespace ghc

@@ -1,39 +1,27 @@
-// Products and substitutions with few rows, as most tasks and active sets have.
+// Products with rows, and substitutions with few of them, as most tasks and active sets have.
 //
 // A call of Eigen's general product or triangular solver takes longer than the sums of three rows
-// and a few dozen columns; loops over rows do without it. From kFew rows on Eigen is faster.
+// and a few dozen columns; loops over rows do without it. From kFew rows on Eigen's solver is faster.
 #pragma once
 
 #include "matrix.hpp"
+#include "row_kernels.hpp"
 
 namespace ghc {
 
 constexpr Index kFew = 10;
 
-// out (m,) = rows (m, d) times x (d,); `out` may be longer.
-template <typename Rows, typename Values>
-void times(const Rows& rows, const Values& x, Vector& out) {
-  const Index m = rows.rows(), d = rows.cols();
-  const ConstVector values(x.data(), d);
-  if (m > kFew) {
-    out.head(m).noalias() = rows * values;
-    return;
-  }
-  for (Index r = 0; r < m; ++r) out[r] = ConstVector(rows.row(r).data(), d).dot(values);
+// out (m,) = rows (m, d) x (d,); `out` may be longer.
+template <typename Rows, typename Values, typename Out>
+void times(const Rows& rows, const Values& x, Out& out) {
+  dot_rows(rows.data(), rows.outerStride(), rows.rows(), x.data(), rows.cols(), out.data());
 }
 
 // out (d,) += sign rows^T weights, of the first m weights.
-template <typename Rows, typename Values>
-void add_rows(const Rows& rows, const Vector& weights, double sign, Values& out) {
-  const Index m = rows.rows(), d = rows.cols();
-  Eigen::Map<Vector> sum(out.data(), d);
-  if (m > kFew) {
-    sum.noalias() += sign * (rows.transpose() * weights.head(m));
-    return;
-  }
-  for (Index r = 0; r < m; ++r) {
-    sum += (sign * weights[r]) * ConstVector(rows.row(r).data(), d);
-  }
+template <typename Rows, typename Weights, typename Values>
+void add_rows(const Rows& rows, const Weights& weights, double sign, Values& out) {
+  add_weighted(rows.data(), rows.outerStride(), rows.rows(), weights.data(), sign, rows.cols(),
+               out.data());
 }
 
 // x = R^-1 x of the first m entries, with R (m, m) the upper triangle in the corner of a matrix.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "few_rows.hpp"
+
 namespace ghc {
 namespace {
 
@@ -66,8 +68,8 @@ void Bounds::evaluate(const Eigen::Ref<const Vector>& y,
     unbalance_ = left_.cwiseAbs().maxCoeff();
   }
   if (free_force.size()) force_.noalias() += free_.matrix() * free_force / weight;
-  torque_ = t.bias_of_joints;
-  torque_.noalias() += t.mass_of_joints * x_;
+  times(t.mass_of_joints, x_, torque_);
+  torque_ += t.bias_of_joints;
   if (force_.size()) torque_.noalias() += t.torque_force * force_;
   values_.head(n) = x_;
   values_.segment(n, a) = torque_;

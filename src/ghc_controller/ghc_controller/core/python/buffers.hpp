@@ -156,13 +156,31 @@ struct In : Buffer<double> {
   bool given_ = false;
 };
 
+// PyArray_New of NumPy's table of functions for C, whose places stay where they are from version to
+// version. `numpy.empty` takes twice as long.
+inline auto array_maker() {
+  using Maker = PyObject* (*)(PyTypeObject*, int, const Py_ssize_t*, int, const Py_ssize_t*, void*,
+                              int, int, PyObject*);
+  constexpr int kPlace = 93;
+  static const Maker maker = []() -> Maker {
+    const nb::module_ numpy = nb::module_::import_("numpy");
+    const char* const core = nb::hasattr(numpy, "_core") ? "numpy._core.multiarray"
+                                                         : "numpy.core.multiarray";
+    const nb::object table = nb::module_::import_(core).attr("_ARRAY_API");
+    auto* functions = static_cast<void**>(PyCapsule_GetPointer(table.ptr(), nullptr));
+    if (!functions) throw nb::python_error();
+    return reinterpret_cast<Maker>(functions[kPlace]);
+  }();
+  return maker;
+}
+
 // A new array.
 class NewArray {
  public:
-  explicit NewArray(Index size) : NewArray(nb::int_(size), {1, size, 1}) {}
-  NewArray(Index rows, Index cols) : NewArray(nb::make_tuple(rows, cols), {1, rows, cols}) {}
+  explicit NewArray(Index size) : NewArray(1, {1, size, 1}, size) {}
+  NewArray(Index rows, Index cols) : NewArray(2, {1, rows, cols}, rows, cols) {}
   NewArray(Index blocks, Index rows, Index cols)
-      : NewArray(nb::make_tuple(blocks, rows, cols), {blocks, rows, cols}) {}
+      : NewArray(3, {blocks, rows, cols}, blocks, rows, cols) {}
 
   double* data() const { return data_; }
   Eigen::Map<Vector> vector() const { return {data_, shape_[0] * shape_[1] * shape_[2]}; }
@@ -170,19 +188,17 @@ class NewArray {
   const nb::object& object() const { return array_; }
 
  private:
-  NewArray(const nb::object& shape, std::array<Index, 3> sizes) : shape_(sizes) {
-    static PyObject* const empty =
-        nb::module_::import_("numpy").attr("empty").inc_ref().ptr();  // for good
-    PyObject* argument = shape.ptr();
-    array_ = nb::steal(PyObject_Vectorcall(empty, &argument, 1, nullptr));
+  template <typename... Sizes>
+  NewArray(int axes, std::array<Index, 3> shape, Sizes... given) : shape_(shape) {
+    constexpr int kNumber = 12;  // NPY_DOUBLE
+    static PyObject* const kind =
+        nb::module_::import_("numpy").attr("ndarray").inc_ref().ptr();  // for good
+    const Py_ssize_t sizes[] = {static_cast<Py_ssize_t>(given)...};
+    array_ = nb::steal(array_maker()(reinterpret_cast<PyTypeObject*>(kind), axes, sizes, kNumber,
+                                     nullptr, nullptr, 0, 0, nullptr));
     if (!array_.is_valid()) throw nb::python_error();
-    if (const ArrayFields* fields = array_fields(array_)) {
-      data_ = reinterpret_cast<double*>(fields->data);
-      return;
-    }
-    Buffer<double> buffer;  // it stays where it is while the array lives
-    buffer.take_writable(array_, PyTuple_Check(argument) ? static_cast<int>(nb::len(shape)) : 1);
-    data_ = buffer.data();
+    data_ = reinterpret_cast<double*>(
+        reinterpret_cast<const ArrayFields*>(array_.ptr())->data);
   }
 
   nb::object array_;
