@@ -106,32 +106,6 @@ def test_what_overlaps_at_the_first_state_is_left_out_with_a_warning() -> None:
     assert not made.touching
 
 
-def test_an_obstacle_that_was_left_out_comes_back_once_it_was_out_of_influence() -> None:
-    """It has no row before, so that the row that it then gets begins relaxed."""
-    margins = {"m": {"pairs": [["hand", "ball"]], "margin": 0.02}}
-    model, q = load_robot("kuka_lwr").model, np.zeros(7)
-    folded = np.array([0.0, 0.2, 0, -2.05, 0, 1.8, 0.0])
-    model.update(folded, np.zeros(7))
-    inside = model.frame_position(model.frame_id("tool"))
-    made, model = _constraint(
-        obstacles={"ball": {"at": inside.tolist(), "radius": 0.1}},
-        margins=margins,
-        influence=0.2,
-    )
-    with pytest.warns(UserWarning, match="hand-ball"):
-        assert made.rows(_tick(model, folded)) is None
-    seen = []
-    for share in np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, 0.0, 50)]):
-        rows = made.rows(_tick(model, folded + share * (q - folded)))
-        seen.append((made.distances()[0], rows is not None))
-    farthest = max(range(len(seen)), key=lambda place: seen[place][0])
-    assert seen[farthest][0] > 0.22
-    assert not any(has for _, has in seen[:farthest])
-    assert any(has for _, has in seen[farthest:])
-    first = next(place for place in range(farthest, len(seen)) if seen[place][1])
-    assert seen[first][0] == pytest.approx(0.22, abs=0.03)
-
-
 @pytest.mark.parametrize("apart", [-3e-4, 3e-4, 0.02])
 def test_a_hand_over_a_large_table_is_left_out_only_if_it_touches(apart: float) -> None:
     """The smooth distance is 0.6 mm smaller there than the true one."""

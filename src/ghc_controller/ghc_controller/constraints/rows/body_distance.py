@@ -40,8 +40,7 @@ class BodyDistance(Constraint):
         margins: their names, the rows of previews.
         least_margins: name -> [m] of robot.yaml, below which no preview lowers it.
         pairs: p pairs of bodies that are looked at.
-        touching: of these, pairs that overlapped at the first state: they have no row, those
-            with an obstacle until they have been farther apart than margin and influence.
+        touching: of these, pairs that overlapped at the first state: they have no row.
     """
 
     entry = BodyDistanceFields
@@ -94,7 +93,6 @@ class BodyDistance(Constraint):
         self._watched = watched(model, bodies, self.pairs)
         self._geometry, self._owner = self._watched.geometry, self._watched.owner
         self._names = [f"{name}.{a}-{b}" for a, b in self.pairs]
-        self._with_obstacle = np.array([not fixed.isdisjoint(pair) for pair in self.pairs])
         self._centers = {one: bodies[one].shapes[0].center for one in moving}
         self.reset()
 
@@ -173,14 +171,10 @@ class BodyDistance(Constraint):
             self._leave_out_touching()
         margins = self.limits.at(tick.state.time)
         everything = self._geometry.near(self.influence + float(margins.lower.max()))
-        owner = self._owner[everything.pairs]
-        room = everything.distance - margins.lower[self._group[owner]]
-        if not self._watch.all():
-            apart = np.ones(len(self.pairs), dtype=bool)
-            apart[owner[room < self.influence]] = False
-            self._watch |= apart & self._with_obstacle
         if not len(everything.pairs):
             return None
+        owner = self._owner[everything.pairs]
+        room = everything.distance - margins.lower[self._group[owner]]
         order = np.argsort(room, kind="stable")
         asked = (room < self.influence) & self._watch[owner]
         asked &= ~self._watched.same_as_whole(everything)
@@ -224,9 +218,8 @@ class BodyDistance(Constraint):
         if found:
             which = ", ".join(f"{a}-{b}" for a, b in self.touching)
             warnings.warn(
-                f"{self.name}: overlapping at the start and left out: {which} (obstacles until "
-                f"they are {self.influence:g} m beyond the margin); list them under 'excluded', "
-                "or give these bodies smaller shapes",
+                f"{self.name}: overlapping at the start and left out: {which}; list them under "
+                "'excluded', or give these bodies smaller shapes",
                 stacklevel=2,
             )
 
