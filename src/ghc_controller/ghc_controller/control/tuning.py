@@ -23,9 +23,9 @@ _PROFILE = Profile.MINIMUM_JERK
 
 @dataclass(slots=True)
 class _Move:
-    """Something on its way; `to(share)` puts it there."""
+    """Something on its way; `to(share)` puts it there and says whether it may end at 1."""
 
-    to: Callable[[float], None]
+    to: Callable[[float], bool]
     duration: float  # [s]
     goal: Array | None = None  # of a dial
     begin: float | None = None  # [s]; None = at the next step
@@ -74,7 +74,8 @@ class Tuning:
         if change.formulation is not None:
             now = controller.formulation.settings
             change.formulation.retune(**{name: getattr(now, name) for name in WEIGHTS})
-            handover = Handover(controller.formulation, change.formulation)
+            dt = settings.control_dt
+            handover = Handover(controller.formulation, change.formulation, dt)
             controller.formulation = handover
             self.moves["formulation"] = _Move(self._hand_over(handover), span)
         for name, dial, goal in change.goals:
@@ -91,8 +92,7 @@ class Tuning:
                 move.begin = time
             passed = time - move.begin
             share = 1.0 if passed >= move.duration else _PROFILE.progress(passed / move.duration)
-            move.to(share)
-            if share == 1.0:
+            if move.to(share) and share == 1.0:
                 del self.moves[name]
 
     def finish(self) -> None:
@@ -100,18 +100,22 @@ class Tuning:
         for move in self.moves.values():
             move.to(1.0)
         self.moves.clear()
+        if isinstance(self._controller.formulation, Handover):  # one that was not settled
+            self._controller.formulation = self._controller.formulation.new
 
-    def _hand_over(self, handover: Handover) -> Callable[[float], None]:
-        def to(share: float) -> None:
+    def _hand_over(self, handover: Handover) -> Callable[[float], bool]:
+        def to(share: float) -> bool:
             handover.share = share
-            if share == 1.0:
+            if share == 1.0 and handover.is_settled:
                 self._controller.formulation = handover.new
+            return handover.is_settled
 
         return to
 
 
-def _between(dial: Dial, begin: Array, end: Array) -> Callable[[float], None]:
-    def to(share: float) -> None:
+def _between(dial: Dial, begin: Array, end: Array) -> Callable[[float], bool]:
+    def to(share: float) -> bool:
         dial.write(end if share == 1.0 else begin + share * (end - begin))
+        return True
 
     return to
