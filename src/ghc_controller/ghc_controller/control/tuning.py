@@ -16,9 +16,11 @@ from ghc_controller.control.dials import WEIGHTS, Dial
 from ghc_controller.control.handover import Handover
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.transition import Profile
+from ghc_controller.safety.rate_anchor import HOLD_TIME
 from ghc_controller.types import Array
 
 _PROFILE = Profile.MINIMUM_JERK
+_LATE = 2.5  # [-] control periods after which a step comes after a pause
 
 
 @dataclass(slots=True)
@@ -42,6 +44,7 @@ class Tuning:
         self._controller = controller
         self._checks = ChangeChecks(controller)
         self.moves: dict[str, _Move] = {}
+        self._advanced = 0.0  # [s] of the last `advance` with something on its way
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -84,16 +87,31 @@ class Tuning:
             self.finish()
 
     def advance(self, time: float) -> None:
-        """Bring everything that is on its way to `time` [s]."""
+        """Bring everything that is on its way to `time` [s].
+
+        A time without steps does not count: after lost states, or while a fault was latched, what
+        is on its way goes on from where it was.
+        """
         if not self.moves:
             return
+        paused, self._advanced = self._paused(time), time
         for name, move in tuple(self.moves.items()):
-            if move.begin is None:
+            if move.begin is not None:
+                move.begin += paused
+            else:
                 move.begin = time
             passed = time - move.begin
             share = 1.0 if passed >= move.duration else _PROFILE.progress(passed / move.duration)
             if move.to(share) and share == 1.0:
                 del self.moves[name]
+
+    def _paused(self, time: float) -> float:
+        """Time [s] since the last step that was no control period; 0 but for a pause."""
+        period = self._controller.settings.control_dt
+        passed = time - self._advanced
+        if 0.0 <= passed <= max(HOLD_TIME, _LATE * period):
+            return 0.0
+        return passed - period
 
     def finish(self) -> None:
         """Put everything that is on its way where it goes."""
