@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ghc_controller.core import native
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array
@@ -11,7 +13,11 @@ from ghc_controller.types import Array
 
 @dataclass(frozen=True, slots=True)
 class PlannedMotion:
-    """Virtual motion of one obstacle: a state now, and the jerk of every step."""
+    """Virtual motion of one obstacle: a state now, and the jerk of every step.
+
+    One without a jerk stands still: a velocity or acceleration given with it does not count, since
+    its position would not follow.
+    """
 
     id: str
     frame: str  # protected frame of the robot
@@ -20,6 +26,12 @@ class PlannedMotion:
     state: Array  # (3, 3) row = position [m], velocity [m/s], acceleration [m/s^2]; world axes
     jerk: Array  # (N, 3) [m/s^3]; (0, 3) = no motion
     status: PreviewStatus
+
+    def __post_init__(self) -> None:
+        if not len(self.jerk) and self.state[1:].any():
+            still = np.zeros_like(self.state)
+            still[0] = self.state[0]
+            object.__setattr__(self, "state", still)
 
     @property
     def moves(self) -> bool:
