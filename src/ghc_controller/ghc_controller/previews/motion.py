@@ -13,11 +13,7 @@ from ghc_controller.types import Array
 
 @dataclass(frozen=True, slots=True)
 class PlannedMotion:
-    """Virtual motion of one obstacle: a state now, and the jerk of every step.
-
-    One without a jerk stands still: a velocity or acceleration given with it does not count, since
-    its position would not follow.
-    """
+    """Virtual motion of one obstacle: a state now, and the jerk of every step."""
 
     id: str
     frame: str  # protected frame of the robot
@@ -26,12 +22,6 @@ class PlannedMotion:
     state: Array  # (3, 3) row = position [m], velocity [m/s], acceleration [m/s^2]; world axes
     jerk: Array  # (N, 3) [m/s^3]; (0, 3) = no motion
     status: PreviewStatus
-
-    def __post_init__(self) -> None:
-        if not len(self.jerk) and self.state[1:].any():
-            still = np.zeros_like(self.state)
-            still[0] = self.state[0]
-            object.__setattr__(self, "state", still)
 
     @property
     def moves(self) -> bool:
@@ -43,7 +33,15 @@ class PlannedMotion:
         return native.integrate(self.state, self.jerk, step)
 
     def at(self, elapsed: float, step: float) -> Array:
-        """State (3, 3) `elapsed` [s] after the start; after the plan it rests where that ends."""
+        """State (3, 3) `elapsed` [s] after the start; after the plan it rests where that ends.
+
+        Without a jerk it stands still: a velocity or acceleration of `state` does not count, since
+        no position would follow it.
+        """
         if not len(self.jerk):
-            return self.state
+            if not self.state[1:].any():
+                return self.state
+            still = np.zeros_like(self.state)
+            still[0] = self.state[0]
+            return still
         return native.state_at(self.state, self.jerk, step, elapsed)
