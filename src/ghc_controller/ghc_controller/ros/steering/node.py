@@ -134,7 +134,9 @@ class SteeringPage:
             "targets": [
                 {"name": t.name, "position": [float(x) for x in t.reference[:3]]}
                 for t in report.tasks
-                if t.name in self._targets and len(t.reference) >= 3
+                if t.name in self._targets
+                and len(t.reference) >= 3
+                and np.isfinite(t.reference[:3]).all()
             ],
             "gains": self._read_gains() if fields.get("gains") else {},
             "news": news,
