@@ -1,4 +1,4 @@
-"""JSON that every reader accepts: it has no NaN and no Infinity, which Python's writer puts out."""
+"""JSON that every reader accepts: it has no NaN and no Infinity, unlike Python's writer."""
 
 from __future__ import annotations
 
