@@ -6,7 +6,6 @@ Ends with 1 when an undocumented error came out, or a case took more CPU or memo
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from benchmarks.fuzz import file_targets, request_targets, wire_targets
 from benchmarks.fuzz.campaign import run_target, table
 from benchmarks.fuzz.node_fuzz import fuzz_nodes
 from benchmarks.fuzz.target import Target
+from ghc_controller.report.valid_json import json_text
 
 
 def all_targets() -> tuple[Target, ...]:
@@ -56,9 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"nodes over DDS: {nodes}")
     options.output.mkdir(parents=True, exist_ok=True)
     path = options.output / "fuzz.json"
-    path.write_text(
-        json.dumps({"targets": rows, "nodes": nodes}, indent=1) + "\n", encoding="utf-8"
-    )
+    path.write_text(json_text({"targets": rows, "nodes": nodes}, 1) + "\n", encoding="utf-8")
     return 0 if all(o.holds for o in outcomes) and nodes.get("holds", True) else 1
 
 

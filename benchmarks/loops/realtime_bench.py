@@ -22,6 +22,7 @@ import numpy as np
 import ghc_controller as ghc
 from benchmarks.loops.stalls import PRIORITY, calmest_processor
 from benchmarks.machine import load_average, machine_facts
+from ghc_controller.report.valid_json import json_text
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
 from ghc_sim_bridge.ros.experiment_nodes import executable_of
 from ghc_sim_bridge.run.cpu_placement import lockstep_placement
@@ -72,7 +73,7 @@ def run_realtime(output: Path, *, quick: bool) -> dict[str, Any]:
         f"bare {bare_lost:.3f} % (medians of {rounds} runs)"
     )
     output.mkdir(parents=True, exist_ok=True)
-    (output / "realtime.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    (output / "realtime.json").write_text(json_text(results, 1) + "\n", encoding="utf-8")
     return results
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers.problem import WEIGHT_STEP
+from ghc_controller.report.valid_json import json_text
 from ghc_sim_bridge.figures.style import colour, new_figure, save_png, styled
 from ghc_sim_bridge.programs.markdown import table
 
@@ -98,5 +98,5 @@ def write_page(results: Mapping[str, Any], docs: Path) -> None:
     (docs / "peers.md").write_text(text, encoding="utf-8")
     numbers = docs / "bench" / "peers.json"
     numbers.parent.mkdir(exist_ok=True)
-    numbers.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    numbers.write_text(json_text(results, 1) + "\n", encoding="utf-8")
     plot_peers(results["rows"], docs / "figures" / "peers.png")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -17,6 +16,7 @@ from benchmarks.peers.environment import peer_python
 from benchmarks.peers.problem import PeerProblem
 from benchmarks.peers.process import SideProcess
 from benchmarks.peers.report import peers_table, plot_peers, write_page
+from ghc_controller.report.valid_json import json_text
 from tools.workspace.layout import Layout
 
 STATES = Path(__file__).resolve().parent / "states"
@@ -57,7 +57,7 @@ def run_peers(root: Path, output: Path, *, quick: bool, write_docs: bool) -> lis
         "rows": rows,
     }
     output.mkdir(parents=True, exist_ok=True)
-    (output / FILE).write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    (output / FILE).write_text(json_text(results, 1) + "\n", encoding="utf-8")
     plot_peers(rows, output / "peers.png")
     print(peers_table(rows))
     if write_docs:

@@ -17,6 +17,7 @@ from benchmarks.machine import load_average, machine_facts
 from benchmarks.peers.own_side import OwnSide
 from benchmarks.peers.problem import PeerProblem
 from benchmarks.peers.worker import timed_once
+from ghc_controller.report.valid_json import json_text
 
 CASES = ("kuka_lwr_5_free", "kuka_lwr_5_bounds", "icub_7_free", "icub_7_bounds", "icub_standing_5")
 STEPS, QUICK_STEPS = 100_000, 500  # [-] of a case, at least
@@ -33,7 +34,7 @@ def run_tails(root: Path, output: Path, *, quick: bool) -> dict[str, Any]:
         print(json.dumps(rows[-1]), flush=True)
     results = {"machine": machine_facts(), "load_average": load_average(), "rows": rows}
     output.mkdir(parents=True, exist_ok=True)
-    (output / "tails.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    (output / "tails.json").write_text(json_text(results, 1) + "\n", encoding="utf-8")
     return results
 
 

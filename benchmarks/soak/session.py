@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import time
@@ -20,6 +19,7 @@ from benchmarks.soak.driver import STEP_NS, Driver
 from benchmarks.soak.inputs import DRIVERS
 from benchmarks.soak.memory import MemoryCourse, resident_memory
 from benchmarks.soak.report import FIGURE, plot_memory, soak_table, write_soak_section
+from ghc_controller.report.valid_json import json_text
 from ghc_sim_bridge.run.domain import DomainLock
 from ghc_sim_bridge.run.processes import NodeProcesses
 
@@ -57,7 +57,7 @@ def run_soak(options: argparse.Namespace, root: Path) -> bool:
     }
     print(soak_table(rows))
     path = options.output / "soak.json"
-    path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    path.write_text(json_text(results, 1) + "\n", encoding="utf-8")
     plot_memory(courses, options.output / FIGURE)
     if options.write_docs:
         plot_memory(courses, root / "docs" / "figures" / FIGURE)

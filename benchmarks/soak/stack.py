@@ -8,7 +8,6 @@ process is judged from minute 5 of its life on, and every state has to be in the
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import shutil
 import sys
@@ -28,6 +27,7 @@ import ghc_controller as ghc
 from benchmarks.faults.session import Session
 from benchmarks.soak.memory import GROWTH_GOAL, resident_memory
 from benchmarks.soak.stack_page import write_stack_section
+from ghc_controller.report.valid_json import json_text
 from ghc_controller.ros.qos import SCHEDULE_QOS, SENSOR_PUBLISHER_QOS
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 from ghc_controller.types import NANOSECONDS
@@ -246,7 +246,7 @@ def run_stack(options: argparse.Namespace) -> bool:
         options.output / "stack", length, warm_up, kill_every, 60.0 * options.wall_minutes
     )
     path = options.output / "stack.json"
-    path.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    path.write_text(json_text(figures, 1) + "\n", encoding="utf-8")
     for row in figures["lives"]:
         growth = row["growth_mb_per_hour"]
         told = "too short a life" if growth is None else f"{growth:.2f} MB/h"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,6 +25,7 @@ from benchmarks.steps.standing_bench import run_standing_bench, standing_table
 from benchmarks.steps.states import TORQUE_SHARE
 from benchmarks.steps.step_bench import FULL, QUICK, REGIMES, run_step_bench
 from benchmarks.steps.tables import REGIME_TITLES, goal_table, loop_table, robots_of, step_table
+from ghc_controller.report.valid_json import json_text
 from tools.workspace.layout import Layout
 
 _LOOP = (4.0, 6)  # [s] simulated per run, runs per executor
@@ -115,7 +115,7 @@ def _print(results: dict[str, Any]) -> None:
 
 def _write(results: dict[str, Any], output: Path) -> None:
     output.mkdir(parents=True, exist_ok=True)
-    (output / "bench.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    (output / "bench.json").write_text(json_text(results, 1) + "\n", encoding="utf-8")
     _plot(results, output)
     print(f"\nwritten: {output / 'bench.json'}", file=sys.stderr)
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 from ghc_msgs.msg import ConstraintPreview, ConstraintPreviews
 
 from ghc_controller.errors import UnknownName
@@ -160,3 +161,38 @@ def test_a_constraint_of_another_package_that_raises_costs_no_state() -> None:
     inbox.hand_over(0, 0)
     reason = "preview rejected, KeyError: 'its own mistake'"
     assert said == [("constraints/preview/contact_forces", reason)]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "known"),
+    [([0], True), ([8], True), ([2, 3, 4, 5, 6], True), ([7, 0, 9, 8], True), ([0, 8], False)],
+)
+def test_plans_of_another_epoch_displace_none(wrong: list[int], known: bool) -> None:
+    """Whatever another generator sends: of a run that has ended, or of one that may come."""
+    inbox, followed = _inbox()
+    if known:
+        inbox.hand_over(1, 0)
+    inbox.take(_plan(10, 1))
+    for number in range(20):
+        inbox.take(_plan(10 + number, wrong[number % len(wrong)]))
+    inbox.hand_over(1, 10 * MS)
+    assert followed == [0.01]
+
+
+def test_few_plans_wait_whatever_epochs_are_sent() -> None:
+    inbox, _ = _inbox()
+    inbox.hand_over(1, 0)
+    for number in range(1000):
+        inbox.take(_plan(10 + number, number))
+        assert len(inbox._waiting["contact_forces"]) <= 9
+
+
+def test_a_plan_of_the_next_run_waits_for_it() -> None:
+    inbox, followed = _inbox()
+    inbox.hand_over(1, 0)
+    inbox.take(_plan(0, 2))
+    for start in range(10, 60, 10):
+        inbox.take(_plan(start, 1))
+        inbox.hand_over(1, start * MS)
+    inbox.hand_over(2, 0)
+    assert followed == [0.01, 0.02, 0.03, 0.04, 0.05, 0.0]

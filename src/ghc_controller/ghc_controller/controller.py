@@ -251,11 +251,12 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         self, state: RobotState, answer: Answer, status: StepStatus
     ) -> tuple[Array, tuple[str, ...]]:
         """Torque (a,) [Nm] of an answer, or of the brakes, through the gate; what that changed."""
+        contacts = answer.limits.contact_rows
         if status is StepStatus.FALLBACK:
-            torque = self.output.braking(state, answer.limits.contact_rows)
+            torque = self.output.braking(state, contacts)
         else:
             torque = answer.solution.torque
-        gated = self.output.gated(torque, answer.before, state)
+        gated = self.output.gated(torque, answer.before, state, contacts)
         return gated.torque, gated.hits
 
     def problem(self) -> ControlProblem:
@@ -277,4 +278,4 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         before = self.output.before(state)
         self.contacts.begin(state.time)
         rows = self._parts.contact_rows(self._parts.force_bounds(state), state.time)
-        return self.output.gated(self.output.braking(state, rows), before, state).torque
+        return self.output.gated(self.output.braking(state, rows), before, state, rows).torque

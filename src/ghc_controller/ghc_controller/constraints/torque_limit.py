@@ -68,6 +68,15 @@ class TorqueLimit(CompiledBox):
         if self.limits is not None:
             self.limits.reset()
 
+    def range_at(self, time: float, gravity: Array) -> tuple[Array, Array]:
+        """Lower and upper (a,) [Nm] at a time [s] and gravity torques (a,) [Nm]."""
+        if self.limits is not None and self.limits.planned:
+            limits = self.limits.at(time)
+            return limits.lower, limits.upper
+        if self.around is TorqueCenter.GRAVITY:
+            return gravity - self.limit, gravity + self.limit
+        return -self.limit, self.limit
+
     def prepare(self, time: float) -> None:
         """See CompiledBox."""
         if self.limits is not None and self.limits.planned:

@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 
 from ghc_controller.constraints import ConstraintSet
+from ghc_controller.constraints.torque_limit import TorqueLimit
 from ghc_controller.model.robot_model import RobotModel
-from ghc_controller.previews.preview import TORQUE_LIMITS
 from ghc_controller.problem.control_problem import ContactRows
 from ghc_controller.safety.braking import braking_torque
 from ghc_controller.safety.gate import Output, OutputGate
@@ -40,21 +40,32 @@ class TorqueOutput:
             state, partial(braking_torque, model.dynamics, state.v, model.torque_limit)
         )
 
-    def gated(self, torque: Array, before: Array, state: RobotState) -> Output:
+    def gated(
+        self, torque: Array, before: Array, state: RobotState, contacts: ContactRows | None
+    ) -> Output:
         """What leaves in answer to a state, noted as the anchor of the next one."""
-        output = self.gate.apply(torque, before, self._model.dynamics, state.v)
+        output = self.gate.apply(
+            torque, before, self._model.dynamics, state.v, partial(self.braking, state, contacts)
+        )
         self.anchor.sent(output.torque, state.time)
         return output
 
     def braking(self, state: RobotState, contacts: ContactRows | None) -> Array:
-        """Torque (a,) [Nm] that brakes, within the robot's limits and those of previews."""
+        """Torque (a,) [Nm] that brakes, within all torque limits: the robot's, `torque_bound`, and
+        those of previews.
+
+        Where `torque_bound` around a gravity that is beyond a motor's limit leaves nothing, the
+        motor's limit counts.
+        """
         model = self._model
-        upper = model.torque_limit
-        lower = -upper
-        for limits in self._constraints.limits:
-            if limits.kind == TORQUE_LIMITS and limits.planned:
-                now = limits.at(state.time)
-                lower, upper = np.maximum(lower, now.lower), np.minimum(upper, now.upper)
-        limit = np.maximum(upper, -lower)  # of both sides the wider one, then each by itself
-        torque = braking_torque(model.dynamics, state.v, limit, contact_rows=contacts)
-        return np.minimum(np.maximum(torque, lower), upper)
+        most = model.torque_limit
+        lower, upper = -most, most
+        gravity = model.gravity()[-model.na :]
+        for limit in self._constraints.constraints:
+            if isinstance(limit, TorqueLimit):
+                least, largest = limit.range_at(state.time, gravity)
+                lower, upper = np.maximum(lower, least), np.minimum(upper, largest)
+        lower, upper = np.minimum(lower, most), np.maximum(upper, -most)
+        return braking_torque(
+            model.dynamics, state.v, np.maximum(lower, upper), contacts, lower=lower
+        )

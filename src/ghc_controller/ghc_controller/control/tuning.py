@@ -16,16 +16,18 @@ from ghc_controller.control.dials import WEIGHTS, Dial
 from ghc_controller.control.handover import Handover
 from ghc_controller.errors import InvalidValue
 from ghc_controller.hierarchy.transition import Profile
+from ghc_controller.safety.rate_anchor import HOLD_TIME
 from ghc_controller.types import Array
 
 _PROFILE = Profile.MINIMUM_JERK
+_LATE = 2.5  # [-] control periods after which a step comes after a pause
 
 
 @dataclass(slots=True)
 class _Move:
-    """Something on its way; `to(share)` puts it there."""
+    """Something on its way; `to(share)` puts it there and says whether it may end at 1."""
 
-    to: Callable[[float], None]
+    to: Callable[[float], bool]
     duration: float  # [s]
     goal: Array | None = None  # of a dial
     begin: float | None = None  # [s]; None = at the next step
@@ -42,6 +44,7 @@ class Tuning:
         self._controller = controller
         self._checks = ChangeChecks(controller)
         self.moves: dict[str, _Move] = {}
+        self._advanced = 0.0  # [s] of the last `advance` with something on its way
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -74,7 +77,8 @@ class Tuning:
         if change.formulation is not None:
             now = controller.formulation.settings
             change.formulation.retune(**{name: getattr(now, name) for name in WEIGHTS})
-            handover = Handover(controller.formulation, change.formulation)
+            dt = settings.control_dt
+            handover = Handover(controller.formulation, change.formulation, dt)
             controller.formulation = handover
             self.moves["formulation"] = _Move(self._hand_over(handover), span)
         for name, dial, goal in change.goals:
@@ -83,35 +87,53 @@ class Tuning:
             self.finish()
 
     def advance(self, time: float) -> None:
-        """Bring everything that is on its way to `time` [s]."""
+        """Bring everything that is on its way to `time` [s].
+
+        A time without steps does not count: after lost states, or while a fault was latched, what
+        is on its way goes on from where it was.
+        """
         if not self.moves:
             return
+        paused, self._advanced = self._paused(time), time
         for name, move in tuple(self.moves.items()):
-            if move.begin is None:
+            if move.begin is not None:
+                move.begin += paused
+            else:
                 move.begin = time
             passed = time - move.begin
             share = 1.0 if passed >= move.duration else _PROFILE.progress(passed / move.duration)
-            move.to(share)
-            if share == 1.0:
+            if move.to(share) and share == 1.0:
                 del self.moves[name]
+
+    def _paused(self, time: float) -> float:
+        """Time [s] since the last step that was no control period; 0 but for a pause."""
+        period = self._controller.settings.control_dt
+        passed = time - self._advanced
+        if 0.0 <= passed <= max(HOLD_TIME, _LATE * period):
+            return 0.0
+        return passed - period
 
     def finish(self) -> None:
         """Put everything that is on its way where it goes."""
         for move in self.moves.values():
             move.to(1.0)
         self.moves.clear()
+        if isinstance(self._controller.formulation, Handover):  # one that was not settled
+            self._controller.formulation = self._controller.formulation.new
 
-    def _hand_over(self, handover: Handover) -> Callable[[float], None]:
-        def to(share: float) -> None:
+    def _hand_over(self, handover: Handover) -> Callable[[float], bool]:
+        def to(share: float) -> bool:
             handover.share = share
-            if share == 1.0:
+            if share == 1.0 and handover.is_settled:
                 self._controller.formulation = handover.new
+            return handover.is_settled
 
         return to
 
 
-def _between(dial: Dial, begin: Array, end: Array) -> Callable[[float], None]:
-    def to(share: float) -> None:
+def _between(dial: Dial, begin: Array, end: Array) -> Callable[[float], bool]:
+    def to(share: float) -> bool:
         dial.write(end if share == 1.0 else begin + share * (end - begin))
+        return True
 
     return to

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ghc_controller.core import native
 from ghc_controller.previews.status import PreviewStatus
 from ghc_controller.types import Array
@@ -31,7 +33,15 @@ class PlannedMotion:
         return native.integrate(self.state, self.jerk, step)
 
     def at(self, elapsed: float, step: float) -> Array:
-        """State (3, 3) `elapsed` [s] after the start; after the plan it rests where that ends."""
+        """State (3, 3) `elapsed` [s] after the start; after the plan it rests where that ends.
+
+        Without a jerk it stands still: a velocity or acceleration of `state` does not count, since
+        no position would follow it.
+        """
         if not len(self.jerk):
-            return self.state
+            if not self.state[1:].any():
+                return self.state
+            still = np.zeros_like(self.state)
+            still[0] = self.state[0]
+            return still
         return native.state_at(self.state, self.jerk, step, elapsed)

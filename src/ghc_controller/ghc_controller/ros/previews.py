@@ -18,7 +18,8 @@ from ghc_controller.types import NANOSECONDS
 
 PREVIEW_TOPIC = "constraints/preview"
 SILENCE = 0.1  # [s] of the robot's time; a generator plans every 10 ms
-_WAITING = 3  # previews kept per kind; more only queue up if ticks are ahead of time
+_WAITING = 3  # previews kept per kind and epoch; more only queue up if ticks are ahead of time
+_EPOCHS = 3  # of which previews are kept: that of the states, and the newest others
 
 _AFTER = {  # bounds after the end of a preview
     StaleRule.OF_ROBOT: "as robot.yaml says",
@@ -55,6 +56,7 @@ class PreviewInbox:
         self._reject = reject
         self._waiting: dict[str, list[_Waiting]] = {}
         self._followed: dict[str, Preview] = {}  # kind -> active preview
+        self._epoch: int | None = None  # of the last state
 
     def take(self, message: ConstraintPreviews) -> None:
         """Keep a message for the next state."""
@@ -68,12 +70,13 @@ class PreviewInbox:
             # Generators plan ahead: one may wait for its start and the next for a new epoch.
             waiting = [*self._waiting.get(kind, []), (message.epoch, start_ns, preview)]
             own, others = self._by_generator(kind, waiting)
-            self._waiting[kind] = others[-_WAITING:] + own[-_WAITING:]
+            self._waiting[kind] = self._newest(others) + self._newest(own)
             self._received(kind, start_ns, message.epoch)
 
     def hand_over(self, epoch: int, now_ns: int) -> None:
         """Let the controller follow the newest previews of this epoch that have started at
         `now_ns`."""
+        self._epoch = epoch
         for kind, waiting in self._waiting.items():
             if not waiting:
                 continue
@@ -114,6 +117,16 @@ class PreviewInbox:
             return previews, []
         own = [entry for entry in previews if entry[2].name == before.name]
         return own, [entry for entry in previews if entry[2].name != before.name]
+
+    def _newest(self, previews: list[_Waiting]) -> list[_Waiting]:
+        """The last few of each epoch, so that those of a wrong one displace no other."""
+        arrived = [entry[0] for entry in reversed(previews)]
+        known = [] if self._epoch is None else [self._epoch]
+        epochs = list(dict.fromkeys([*known, *arrived]))[:_EPOCHS]
+        kept: list[_Waiting] = []
+        for epoch in epochs:
+            kept = [entry for entry in previews if entry[0] == epoch][-_WAITING:] + kept
+        return kept
 
     def _follow(self, message: ConstraintPreview, start: float, now: float) -> None:
         preview = preview_from_message(message, start)

@@ -25,6 +25,7 @@ def braking_torque(
     previous: Array | None = None,
     torque_step: Array | float = np.inf,
     max_acceleration: float = MAX_ACCELERATION,
+    lower: Array | None = None,
 ) -> Array:
     """Torque (a,) [Nm] that brings a robot to rest where it is, and keeps it there.
 
@@ -42,6 +43,7 @@ def braking_torque(
         torque_step: largest change from `previous` per control period [Nm], a number or (a,); inf
             = no limit.
         max_acceleration: [rad/s^2] of a joint; inf = only the bounds apply.
+        lower: (a,) [Nm] at most `torque_limit`; None = -torque_limit.
     """
     base = velocity.shape[0] - torque_limit.shape[0]
     # minimum and maximum take a third of the time of np.clip, for the same numbers.
@@ -51,11 +53,12 @@ def braking_torque(
     acceleration[:base] = 0.0
     braking = _of_motors(dynamics.mass_matrix @ acceleration, base, contact_rows)
     bias = _of_motors(dynamics.bias, base, contact_rows)
-    lower, upper = -torque_limit, torque_limit
+    least = -torque_limit if lower is None else lower
+    lower, upper = least, torque_limit
     if previous is not None:
         # If the last torque is itself outside the limits, the limits take precedence.
         lower = np.minimum(np.maximum(lower, previous - torque_step), upper)
-        upper = np.maximum(np.minimum(upper, previous + torque_step), -torque_limit)
+        upper = np.maximum(np.minimum(upper, previous + torque_step), least)
     with np.errstate(divide="ignore", invalid="ignore"):
         room = np.where(braking > 0.0, upper - bias, lower - bias) / braking
     room[(braking == 0.0) | (bias < lower) | (bias > upper)] = np.inf

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,7 +58,12 @@ class OutputGate:
         return self._gate.core
 
     def apply(
-        self, torque: Array, applied: Array | None, dynamics: Dynamics, velocity: Array
+        self,
+        torque: Array,
+        applied: Array | None,
+        dynamics: Dynamics,
+        velocity: Array,
+        braking: Callable[[], Array] | None = None,
     ) -> Output:
         """Output torque.
 
@@ -65,6 +71,8 @@ class OutputGate:
             torque: (a,) [Nm] of the formulation, any values.
             applied: (a,) [Nm] torque over the last period; None before the first one.
             dynamics, velocity: at this state, (n,); for the braking torque only.
+            braking: gives that torque (a,) [Nm], where limits tighter than those of the gate hold;
+                None = within those of the gate.
         """
         hits: list[str] = []
         gated = np.empty(torque.shape)
@@ -73,7 +81,7 @@ class OutputGate:
         if not (finite and known):
             if not finite:
                 hits.append(NOT_FINITE)
-                torque = self._hold(applied, dynamics, velocity)
+                torque = self._hold(applied, dynamics, velocity, braking)
             if not known:  # nothing to measure the rate from
                 hits.append(APPLIED_UNKNOWN)
                 applied = None
@@ -85,10 +93,19 @@ class OutputGate:
             self.counts[name] += 1
         return Output(gated, tuple(hits))
 
-    def _hold(self, applied: Array | None, dynamics: Dynamics, velocity: Array) -> Array:
+    def _hold(
+        self,
+        applied: Array | None,
+        dynamics: Dynamics,
+        velocity: Array,
+        braking: Callable[[], Array] | None,
+    ) -> Array:
         """Braking torque; if that is not finite, the applied torque, else zero."""
         with np.errstate(all="ignore"):
-            torque = braking_torque(dynamics, velocity, self.torque_limit)
+            if braking is None:
+                torque = braking_torque(dynamics, velocity, self.torque_limit)
+            else:
+                torque = braking()
         if np.isfinite(torque).all():
             return torque
         if applied is not None and np.isfinite(applied).all():

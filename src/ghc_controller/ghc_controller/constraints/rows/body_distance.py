@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
@@ -12,6 +11,7 @@ from ghc_controller.constraints.bodies.collection import Body, watched
 from ghc_controller.constraints.bodies.fields import BodyDistanceFields, bodies_of_links
 from ghc_controller.constraints.bodies.geometry import Motion, Near
 from ghc_controller.constraints.bodies.law import Margin, jerks_along, least_acceleration
+from ghc_controller.constraints.bodies.left_out import LeftOut
 from ghc_controller.constraints.bodies.pairs import Pair, chosen_pairs, without_neighbors
 from ghc_controller.constraints.constraint import Constraint, Rows, Softness, Space, Tick
 from ghc_controller.constraints.registry import register_constraint
@@ -40,7 +40,6 @@ class BodyDistance(Constraint):
         margins: their names, the rows of previews.
         least_margins: name -> [m] of robot.yaml, below which no preview lowers it.
         pairs: p pairs of bodies that are looked at.
-        touching: of these, pairs that overlapped at the first state: they have no row.
     """
 
     entry = BodyDistanceFields
@@ -94,7 +93,13 @@ class BodyDistance(Constraint):
         self._geometry, self._owner = self._watched.geometry, self._watched.owner
         self._names = [f"{name}.{a}-{b}" for a, b in self.pairs]
         self._centers = {one: bodies[one].shapes[0].center for one in moving}
+        self._left_out = LeftOut(self.pairs, fixed)
         self.reset()
+
+    @property
+    def touching(self) -> tuple[Pair, ...] | None:
+        """Pairs without a row, as they overlapped at the first state; None before it."""
+        return self._left_out.touching
 
     @classmethod
     def from_config(cls, fields: Fields, model: RobotModel) -> BodyDistance:
@@ -145,8 +150,7 @@ class BodyDistance(Constraint):
         self.limits.reset()
         self._plans: dict[str, tuple[Preview, int]] = {}
         self._watched.geometry.rest()
-        self.touching: tuple[Pair, ...] | None = None
-        self._watch = np.ones(len(self.pairs), dtype=bool)
+        self._left_out.reset()
 
     def distances(self) -> Array:
         """(p,) distance [m] of each pair at the state of the last `model.update`."""
@@ -166,17 +170,19 @@ class BodyDistance(Constraint):
     def rows(self, tick: Tick) -> Rows | None:
         """A row for each near pair; None without any."""
         self._geometry.model = tick.model  # a copy, where this constraint was made by hand
-        self._place(tick.state.time)
-        if self.touching is None:
-            self._leave_out_touching()
-        margins = self.limits.at(tick.state.time)
+        time, left_out = tick.state.time, self._left_out
+        self._place(time)
+        if left_out.touching is None:
+            left_out.begin(self._owner[self._geometry.overlapping()].tolist(), self.name)
+        margins = self.limits.at(time)
         everything = self._geometry.near(self.influence + float(margins.lower.max()))
-        if not len(everything.pairs):
-            return None
         owner = self._owner[everything.pairs]
         room = everything.distance - margins.lower[self._group[owner]]
+        left_out.look(owner, room, everything.distance, time)
+        if not len(everything.pairs):
+            return None
         order = np.argsort(room, kind="stable")
-        asked = (room < self.influence) & self._watch[owner]
+        asked = (room < self.influence) & left_out.watched[owner]
         asked &= ~self._watched.same_as_whole(everything)
         order = order[asked[order]]
         rest = np.inf
@@ -184,6 +190,7 @@ class BodyDistance(Constraint):
             rest = max(float(room[order[self.most]]), ALWAYS * self.influence)
         kept = order[room[order] < rest]
         relaxed = relaxation(room[kept], self.influence, rest)
+        relaxed += left_out.relaxation(owner[kept], time)
         kept, relaxed = kept[relaxed < _NOTHING], relaxed[relaxed < _NOTHING]
         if not len(kept):
             return None
@@ -208,20 +215,6 @@ class BodyDistance(Constraint):
         lower -= motion.drift
         names = tuple(self._names[pair] for pair in owner)
         return Rows(motion.jacobian, lower, np.full(len(owner), np.inf), names)
-
-    def _leave_out_touching(self) -> None:
-        """Pairs that overlap now cannot be what should be kept apart."""
-        pairs = self._geometry.overlapping()
-        found = dict.fromkeys(int(pair) for pair in self._owner[pairs])
-        self._watch[list(found)] = False
-        self.touching = tuple(self.pairs[pair] for pair in found)
-        if found:
-            which = ", ".join(f"{a}-{b}" for a, b in self.touching)
-            warnings.warn(
-                f"{self.name}: overlapping at the start and left out: {which}; list them under "
-                "'excluded', or give these bodies smaller shapes",
-                stacklevel=2,
-            )
 
 
 def margin_names(constraints: Sequence[Constraint]) -> tuple[str, ...]:

@@ -25,6 +25,7 @@ from ghc_msgs.msg import (
     TransitionStatus,
 )
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
+from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.publisher import Publisher
@@ -133,7 +134,9 @@ class SteeringPage:
             "targets": [
                 {"name": t.name, "position": [float(x) for x in t.reference[:3]]}
                 for t in report.tasks
-                if t.name in self._targets and len(t.reference) >= 3
+                if t.name in self._targets
+                and len(t.reference) >= 3
+                and np.isfinite(t.reference[:3]).all()
             ],
             "gains": self._read_gains() if fields.get("gains") else {},
             "news": news,
@@ -144,7 +147,7 @@ class SteeringPage:
         if not self._present_gains.service_is_ready():
             return {}
         request = GetParameters.Request(names=self._gain_names)
-        response = _answer(self._present_gains.call_async(request))
+        response = ask(self._present_gains, request)
         values = [] if response is None else map(parameter_value_to_python, response.values)
         return {
             name: float(np.mean(value))
@@ -189,7 +192,7 @@ class SteeringPage:
             raise ConfigurationError(f"no {SERVICE}: no controller")
         parameter_message = Parameter(name, value=value).to_parameter_msg()
         request = SetParametersAtomically.Request(parameters=[parameter_message])
-        response = _answer(self._gains.call_async(request))
+        response = ask(self._gains, request)
         if response is None:
             raise InvalidValue(f"no answer of the controller within {_ANSWER:g} s")
         if not response.result.successful:
@@ -215,11 +218,18 @@ def orientation_kept(task: Follower, report: ControllerState | None) -> list[flo
     raise InvalidValue(f"task '{task.name}': its orientation is not reported by the controller")
 
 
-def _answer(future: Future) -> Any:
-    """Response of a service, None without one in time; for threads that do not spin."""
+def ask(client: Client, request: Any, within: float = _ANSWER) -> Any:
+    """Response of a service, None without one in time [s]; for threads that do not spin.
+
+    A request that is not answered in time is forgotten: the client would keep it for ever.
+    """
     answered = threading.Event()
+    future = client.call_async(request)
     future.add_done_callback(lambda _: answered.set())
-    return future.result() if answered.wait(_ANSWER) else None
+    if answered.wait(within):
+        return future.result()
+    client.remove_pending_request(future)
+    return None
 
 
 def _has_position(task: Task) -> bool:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ghc_controller.errors import GhcError, InvalidValue
+from ghc_controller.report.valid_json import json_text
 
 LOOPBACK = "127.0.0.1"
 _PAGE = Path(__file__).with_name("page.html")
@@ -113,7 +114,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._answer(HTTPStatus.BAD_REQUEST, {"error": str(error)})
 
     def _answer(self, status: HTTPStatus, content: Any) -> None:
-        self._send(status, json.dumps(content).encode(), "json")
+        self._send(status, json_text(content).encode(), "json")
 
     def _send(self, status: HTTPStatus, body: bytes, kind: str) -> None:
         self.send_response(status)
