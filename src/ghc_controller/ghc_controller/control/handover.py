@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ghc_controller.formulations.cascade.blend import blend
@@ -34,6 +35,11 @@ class Handover(Formulation):
         self.new.retune(**numbers)
         self.settings = self.new.settings
 
+    @property
+    def answers_candidates(self) -> bool:
+        """See Formulation: as long as one of both does."""
+        return self.old.answers_candidates or self.new.answers_candidates
+
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         answers = [part.solve(problem) for part in (self.old, self.new)]
@@ -43,7 +49,7 @@ class Handover(Formulation):
         alpha = problem.priorities.alpha
         shares = (1.0 - self.share, self.share)
         mixture = Priorities(alpha, tuple(Candidate(alpha, share) for share in shares))
-        return blend(answers, mixture)
+        return blend(answers, mixture)._replace(of_candidates=_forces(answers, shares))
 
     def reset(self) -> None:
         """See Formulation.reset."""
@@ -61,3 +67,16 @@ class Handover(Formulation):
             "wait until the change of formulation has ended, or give an order of tasks",
             old.along_ramp or new.along_ramp,
         )
+
+
+def _forces(answers: Sequence[Solution], shares: Sequence[float]) -> tuple[Array, ...]:
+    """Forces (c,) of each candidate of a mixture, of those answers that have them."""
+    given = [
+        (share, answer.of_candidates)
+        for share, answer in zip(shares, answers, strict=True)
+        if answer.of_candidates
+    ]
+    if len(given) < len(answers):  # one of both does not look at candidates
+        return given[0][1] if given else ()
+    (first, one), (last, other) = given
+    return tuple(first * a + last * b for a, b in zip(one, other, strict=True))

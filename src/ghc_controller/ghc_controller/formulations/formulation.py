@@ -161,6 +161,11 @@ class Formulation(ABC):
         """
         self.settings = replace(self.settings, **numbers)
 
+    @property
+    def answers_candidates(self) -> bool:
+        """Whether candidates of a mixture are answered each with a cost on forces of its own."""
+        return self.blends
+
     @abstractmethod
     def solve(self, problem: ControlProblem) -> Solution:
         """Solve one tick; `status` is FAILED when no answer meets the hard rows."""
