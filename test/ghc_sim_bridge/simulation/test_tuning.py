@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from ghc_controller.constraints import JointVelocityLimit
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue, UnknownName
+from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.hierarchy import PriorityMatrix, Transition
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.settings import Settings
@@ -217,3 +219,26 @@ def test_an_obstacle_horizon_that_the_period_cannot_carry_is_rejected() -> None:
         controller.tune({"obstacle_horizon": 1.3 * DT})
     with pytest.raises(InvalidValue, match=r"obstacle_horizon: 0\.0013 given.*diverge"):
         Controller.for_robot("kuka_lwr", Settings.of(obstacle_horizon=1.3 * DT, control_dt=DT))
+
+
+@pytest.mark.parametrize("name", ["regularization", "velocity_damping", "torque_weight"])
+@pytest.mark.parametrize("formulation", sorted(FORMULATIONS.usable()))
+def test_a_weight_reaches_every_formulation(formulation: str, name: str) -> None:
+    """After its way the torques are those of a controller that was made with it."""
+    given = {"formulation": formulation, "torque_regularization": "bias"}
+    value = 3.0 * getattr(Settings.of(**given).optimization, name)
+    settings = [Settings.of(**given), Settings.of(**given, **{name: value})]
+    tuned, made = (Controller.for_robot("kuka_lwr", one) for one in settings)
+    rest = Simulator("kuka_lwr").state()
+    for step in range(3):
+        state = replace(rest, time=step * DT, v=np.full(7, 0.3))
+        torques = []
+        for controller in (tuned, made):
+            if step == 0:
+                controller.start(state)
+                hand = controller.robot.tasks[0]
+                controller.set_reference(hand.name, hand.current(controller.model) + 0.02)
+            elif step == 1 and controller is tuned:
+                controller.tune({name: value}, 0.0)
+            torques.append(controller.step(state).solution.torque)
+    np.testing.assert_allclose(torques[0], torques[1], rtol=0.0, atol=1e-6)
