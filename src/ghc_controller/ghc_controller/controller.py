@@ -46,6 +46,7 @@ from ghc_controller.robot.library import given_robot, load_robot
 from ghc_controller.robot.robot import Robot
 from ghc_controller.safety.gate import OutputGate
 from ghc_controller.settings import Settings, make_constraints
+from ghc_controller.tasks.second_order import check_second_order
 from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.types import Array, RobotState
 
@@ -81,6 +82,8 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         check_velocity_damping(self.settings.optimization.velocity_damping, dt)
         check_obstacle_horizon(self.settings.obstacle_horizon, dt)
         self.stack = TaskStack(robot.tasks, self.model.nv)
+        if self.settings.optimization.second_order:
+            check_second_order(self.stack, self.model)
         self.contacts = ContactSet(
             robot.contacts, self.model.weight if self.model.floating_base else 0.0
         )
