@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from ghc_controller.controller import Controller
+from ghc_controller.errors import InvalidValue
 from ghc_controller.formulations import SolutionStatus
+from ghc_controller.robot.library import load_robot
 from ghc_controller.types import Array, Bounds, RobotState
 
 
@@ -115,3 +117,19 @@ def _neutral(controller: Controller) -> Array:
     if controller.model.floating_base:
         q[6] = 1.0
     return q
+
+
+def test_a_base_whose_quaternion_is_not_of_unit_length_is_rejected_by_its_name() -> None:
+    """With posture alone a length of 1.01 was taken, and torques were wrong by 0.6 Nm."""
+    robot = load_robot("icub")
+    posture = next(task for task in robot.tasks if task.name == "posture")
+    controller = Controller(replace(robot, tasks=(posture,), hierarchy="posture"))
+    q = controller.model.q.copy()
+    state = RobotState(0.0, q, np.zeros(controller.model.nv))
+    controller.start(state)
+    for scale in (-1.0, 1.0005):  # one orientation; rounding of a driver
+        q[3:7] = scale * np.array([0.0, 0.0, 0.0, 1.0])
+        controller.start(state)
+    q[3:7] = [0.0, 0.0, 0.0, 1.01]
+    with pytest.raises(InvalidValue, match=r"q\[3:7\] of the base: quaternion of length 1\.01"):
+        controller.start(state)

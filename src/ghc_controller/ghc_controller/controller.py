@@ -44,8 +44,10 @@ from ghc_controller.report.report import StepResult, StepStatus
 from ghc_controller.report.reporting import Limits
 from ghc_controller.robot.library import given_robot, load_robot
 from ghc_controller.robot.robot import Robot
+from ghc_controller.safety.base_plausibility import check_orientation
 from ghc_controller.safety.gate import OutputGate
 from ghc_controller.settings import Settings, make_constraints
+from ghc_controller.tasks.second_order import check_second_order
 from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.types import Array, RobotState
 
@@ -81,6 +83,8 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         check_velocity_damping(self.settings.optimization.velocity_damping, dt)
         check_obstacle_horizon(self.settings.obstacle_horizon, dt)
         self.stack = TaskStack(robot.tasks, self.model.nv)
+        if self.settings.optimization.second_order:
+            check_second_order(self.stack, self.model)
         self.contacts = ContactSet(
             robot.contacts, self.model.weight if self.model.floating_base else 0.0
         )
@@ -185,9 +189,16 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         return left_out
 
     def observe(self, state: RobotState) -> None:
-        """Look at a state without answering it: requests are judged at its configuration."""
+        """Look at a state without answering it: requests are judged at its configuration.
+
+        Raises:
+            WrongSize: q or v has another shape.
+            InvalidValue: the quaternion of a floating base is not of unit length.
+        """
         self._time = state.time
         self.model.update(state.q, state.v)
+        if self.model.floating_base:
+            check_orientation(state.q[3:7])
         self._parts.begin_references()
         self.stack.update(self.model, state, self.references.targets(state.time))
         planned = self.force_bounds.at(state.time)
@@ -195,7 +206,7 @@ class Controller(Requests, StatusReports, Judgment, OldMethods):
         self._contact_rows_seen = self._parts.contact_rows(bounds, state.time)
 
     def start(self, state: RobotState) -> None:
-        """Get ready at a state: forget the past, and look at it."""
+        """Get ready at a state: forget the past, and look at it; raises as `observe`."""
         self.reset()
         self.observe(state)
 

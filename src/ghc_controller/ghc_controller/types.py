@@ -29,6 +29,8 @@ class RobotState:
     """Measured state of the robot at one instant, in the joint order of the RobotModel."""
 
     time: float  # [s]
+    # Of a floating base first: position [m] and unit quaternion x, y, z, w in the world; linear
+    # [m/s] and angular velocity in base axes.
     q: Array  # (nq,) [rad]
     v: Array  # (n,) [rad/s]
     torque: Array | None = None  # (a,) [Nm] applied over the last period; NaN: not measured

@@ -84,3 +84,29 @@ def test_a_budget_of_torque_rate_is_kept_in_contact(
     steps = np.abs(np.diff(torques[19:], axis=0)).max(axis=1)
     assert steps.max() <= 1.001 * 1e-3 * budget
     assert steps[5] >= 0.999 * 1e-3 * budget
+
+
+@pytest.mark.parametrize("seed", [4, 8])
+def test_a_hand_over_in_a_ramp_keeps_the_forces_of_each_candidate(
+    standing: Controller, seed: int
+) -> None:
+    """Between formulations that answer alike no torque changes.
+
+    With one expansion about the forces of the blend by up to 0.75 Nm in one step.
+    """
+    names, runs = standing.robot.task_names, []
+    for handed_over in (False, True):
+        rng = np.random.default_rng(seed)
+        order, torques = _begin(standing, rng), []
+        for step in range(80):
+            time = 1e-3 * step
+            if step in (0, 20):
+                matrix = PriorityMatrix(names, strict_matrix(order, len(names)))
+                order = rng.permutation(order).tolist()
+                standing.add_transition(Transition(matrix, time, 0.05 if step else 0.0), time)
+            if handed_over and step == 40:
+                standing.tune({"rank_tolerance": 2e-4}, 0.02)  # which cascade does not use
+            torques.append(standing.step(_state(standing, time)).torque.copy())
+        runs.append(np.array(torques))
+    assert standing.formulation.name == "cascade"
+    np.testing.assert_allclose(runs[1], runs[0], rtol=0.0, atol=1e-6)

@@ -10,12 +10,14 @@ from random_problems import random_problem
 
 from ghc_controller.controller import Controller
 from ghc_controller.errors import InvalidValue
-from ghc_controller.formulations import FormulationSettings, make_formulation
+from ghc_controller.formulations import FORMULATIONS, FormulationSettings, make_formulation
 from ghc_controller.formulations.second_order import level_term, positive_part
 from ghc_controller.problem.control_problem import ControlProblem
 from ghc_controller.problem.reduction import reduce_contacts
 from ghc_controller.problem.second_order_terms import SecondOrder
+from ghc_controller.robot.library import load_robot
 from ghc_controller.settings import Settings
+from ghc_controller.tasks.python.joint_velocity import JointVelocityTask
 from ghc_controller.types import Array, RobotState
 
 N, W, KD, RATE = 7, 1e-2, 20.0, 12.0
@@ -134,3 +136,30 @@ def test_a_controller_computes_the_terms_of_its_tasks(name: str) -> None:
             np.testing.assert_array_equal(terms.rows[row], task.curvature(model, weights))
             row += 1
     assert row == len(terms.error)
+
+
+@pytest.mark.parametrize("name", sorted(FORMULATIONS.usable()))
+def test_who_does_nothing_with_the_term_rejects_it(name: str) -> None:
+    """Seed 2: the others answer otherwise with it."""
+    problem = _problem(np.random.default_rng(2), [3])
+    try:
+        with_term = make_formulation(name, SETTINGS)
+    except InvalidValue as error:
+        assert "take cascade, balanced, hqp or weighted" in str(error)
+        return
+    linear = make_formulation(name, replace(SETTINGS, second_order=False))
+    answer, other = (
+        with_term.solve(problem).acceleration,
+        linear.solve(replace(problem, second_order=None)).acceleration,
+    )
+    assert np.abs(answer - other).max() > 1e-3
+
+
+def test_a_task_without_a_term_is_rejected_before_the_first_step() -> None:
+    robot = load_robot("kuka_lwr")
+    task = JointVelocityTask("still", robot.model, 2.0)
+    hierarchy = f"{robot.hierarchy} > still"
+    robot = replace(robot, tasks=(*robot.tasks, task), hierarchy=hierarchy)
+    with pytest.raises(InvalidValue, match="second_order: task 'still' offers no"):
+        Controller(robot, Settings.of(second_order=True))
+    Controller(robot, Settings())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,10 @@ import pytest
 from ghc_controller.constraints import JointVelocityLimit
 from ghc_controller.controller import Controller
 from ghc_controller.errors import GhcError, InvalidValue, UnknownName
+from ghc_controller.formulations import FORMULATIONS
 from ghc_controller.hierarchy import PriorityMatrix, Transition
 from ghc_controller.references.reference import ReferenceTrajectory
+from ghc_controller.robot.library import load_robot
 from ghc_controller.settings import Settings
 from ghc_controller.types import Array
 from ghc_sim_bridge.simulation.simulator import Simulator
@@ -217,3 +220,64 @@ def test_an_obstacle_horizon_that_the_period_cannot_carry_is_rejected() -> None:
         controller.tune({"obstacle_horizon": 1.3 * DT})
     with pytest.raises(InvalidValue, match=r"obstacle_horizon: 0\.0013 given.*diverge"):
         Controller.for_robot("kuka_lwr", Settings.of(obstacle_horizon=1.3 * DT, control_dt=DT))
+
+
+@pytest.mark.parametrize("name", ["regularization", "velocity_damping", "torque_weight"])
+@pytest.mark.parametrize("formulation", sorted(FORMULATIONS.usable()))
+def test_a_weight_reaches_every_formulation(formulation: str, name: str) -> None:
+    """After its way the torques are those of a controller that was made with it."""
+    given = {"formulation": formulation, "torque_regularization": "bias"}
+    value = 3.0 * getattr(Settings.of(**given).optimization, name)
+    settings = [Settings.of(**given), Settings.of(**given, **{name: value})]
+    tuned, made = (Controller.for_robot("kuka_lwr", one) for one in settings)
+    rest = Simulator("kuka_lwr").state()
+    for step in range(3):
+        state = replace(rest, time=step * DT, v=np.full(7, 0.3))
+        torques = []
+        for controller in (tuned, made):
+            if step == 0:
+                controller.start(state)
+                hand = controller.robot.tasks[0]
+                controller.set_reference(hand.name, hand.current(controller.model) + 0.02)
+            elif step == 1 and controller is tuned:
+                controller.tune({name: value}, 0.0)
+            torques.append(controller.step(state).solution.torque)
+    np.testing.assert_allclose(torques[0], torques[1], rtol=0.0, atol=1e-6)
+
+
+def test_a_limit_moves_to_and_from_none() -> None:
+    """Joints without a velocity limit: it comes from infinity and goes there, and is a number."""
+    robot = load_robot("kuka_lwr")
+    robot.model.limits.velocity[2] = np.inf
+    controller, state = Controller(robot), Simulator("kuka_lwr").state()
+    limit = controller.constraints.one_of(JointVelocityLimit).limit
+    controller.start(state)
+    controller.step(state)
+    for goal in (1.0, 0.0, 0.0):  # 0: those of the robot
+        controller.tune({"velocity_limit": goal}, 10.0 * DT)
+        seen = []
+        begin = controller.step(replace(state, time=state.time + DT)).time
+        for step in range(11):
+            controller.step(replace(state, time=begin + step * DT))
+            seen.append(limit.copy())
+        assert not np.isnan(seen).any()
+        steps = np.diff(1.0 / np.array(seen), axis=0)
+        assert (steps >= 0.0).all() or (steps <= 0.0).all()
+        assert np.abs(steps[:, 2]).max() < 0.25  # 1.0 in all, without a jump
+        assert limit[2] == (goal or np.inf)
+        state = replace(state, time=begin + 10 * DT)
+
+
+@pytest.mark.parametrize("duration", [-1.0, np.inf, np.nan])
+def test_a_blend_that_would_not_end_is_rejected(duration: float) -> None:
+    controller = _moving()
+    with pytest.raises(InvalidValue, match="a finite number of at least 0 expected"):
+        controller.tune({"formulation": "balanced"}, duration)
+    assert not controller.tuning.moves
+
+
+def test_a_budget_beside_a_change_of_formulation_is_rejected_with_the_reason() -> None:
+    controller = _moving()
+    controller.tune({"rank_tolerance": 2e-4})  # from cascade to cascade
+    with pytest.raises(InvalidValue, match="a change of formulation is under way"):
+        controller.change_hierarchy("elbow > posture", torque_rate=5.0)

@@ -70,6 +70,11 @@ class Handover(Formulation):
         self.new.retune(**numbers)
         self.settings = self.new.settings
 
+    @property
+    def answers_candidates(self) -> bool:
+        """See Formulation: as long as one of both does."""
+        return self.old.answers_candidates or self.new.answers_candidates
+
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         answers = [part.solve(problem) for part in (self.old, self.new)]
@@ -92,7 +97,7 @@ class Handover(Formulation):
         alpha = problem.priorities.alpha
         shares = (1.0 - self.in_force, self.in_force)
         mixture = Priorities(alpha, tuple(Candidate(alpha, share) for share in shares))
-        return blend(answers, mixture)
+        return blend(answers, mixture)._replace(of_candidates=_forces(answers, shares))
 
     def _move(self, missing: Sequence[bool]) -> None:
         """Share in force of this step: towards the answer there is, else towards the planned."""
@@ -126,3 +131,16 @@ class Handover(Formulation):
             "wait until the change of formulation has ended, or give an order of tasks",
             old.along_ramp or new.along_ramp,
         )
+
+
+def _forces(answers: Sequence[Solution], shares: Sequence[float]) -> tuple[Array, ...]:
+    """Forces (c,) of each candidate of a mixture, of those answers that have them."""
+    given = [
+        (share, answer.of_candidates)
+        for share, answer in zip(shares, answers, strict=True)
+        if answer.of_candidates
+    ]
+    if len(given) < len(answers):  # one of both does not look at candidates
+        return given[0][1] if given else ()
+    (first, one), (last, other) = given
+    return tuple(first * a + last * b for a, b in zip(one, other, strict=True))

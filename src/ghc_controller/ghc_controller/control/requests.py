@@ -62,6 +62,11 @@ class Requests:
             keep the transition's torque rate.
         """
         if transition.torque_rate > 0.0 and not self.formulation.blends:
+            if "formulation" in self.tuning.moves:
+                raise InvalidValue(
+                    f"torque_rate = {transition.torque_rate} Nm/s given while a change of "
+                    "formulation is under way, which keeps none; repeat this one after it"
+                )
             raise InvalidValue(
                 f"torque_rate = {transition.torque_rate} Nm/s given with formulation "
                 f"'{self.formulation.name}'; only one that blends orders keeps it: "

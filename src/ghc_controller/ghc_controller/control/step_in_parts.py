@@ -66,7 +66,7 @@ class StepInParts:
         priorities = schedule.pace(time, controller.settings.control_dt)
         controller.stack.update(model, state, controller.references.targets(time))
         before = controller.output.before(state)
-        mixed = priorities.candidates if controller.formulation.blends else ()
+        mixed = priorities.candidates if controller.formulation.answers_candidates else ()
         controller.contacts.begin(time, mixed)
         limits = self._limits(state, before)
         after_terms = perf_counter()

@@ -7,9 +7,12 @@ a quintic with rest at both ends, over `tuning_duration` seconds from the next s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from ghc_controller.control.change_checks import Change, ChangeChecks, Controller, settings_with
 from ghc_controller.control.dials import WEIGHTS, Dial
@@ -66,13 +69,15 @@ class Tuning:
             duration: [s] of the blend; None = `tuning_duration`.
 
         Raises:
-            InvalidValue: a negative duration.
+            InvalidValue: a duration that is negative or not finite.
         """
         controller = self._controller
         settings = settings_with(change.given, controller.settings)
         span = settings.tuning_duration if duration is None else duration
-        if not span >= 0.0:
-            raise InvalidValue(f"duration = {span} s given, a number of at least 0 expected")
+        if not 0.0 <= span < math.inf:
+            raise InvalidValue(
+                f"duration = {span} s given, a finite number of at least 0 expected"
+            )
         controller.settings = settings
         if change.formulation is not None:
             now = controller.formulation.settings
@@ -133,7 +138,17 @@ class Tuning:
 
 def _between(dial: Dial, begin: Array, end: Array) -> Callable[[float], bool]:
     def to(share: float) -> bool:
-        dial.write(end if share == 1.0 else begin + share * (end - begin))
+        dial.write(end if share == 1.0 else _blended(begin, end, share))
         return True
 
     return to
+
+
+def _blended(begin: Array, end: Array, share: float) -> Array:
+    """Numbers on their way; from and to no limit, which is infinite, by their reciprocals."""
+    finite = np.isfinite(begin) & np.isfinite(end)
+    if finite.all():
+        return begin + share * (end - begin)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        linear = begin + share * (end - begin)
+        return np.where(finite, linear, 1.0 / ((1.0 - share) / begin + share / end))

@@ -113,7 +113,9 @@ class FormulationSettings:
         "rhp_hqp weighs rows alike at any phi, as its authors' library; jumps in a swap", False
     )
     second_order: bool = declared(
-        "add the curvature of the tasks to every level; ghc and ghc_full reject it", False
+        "add the curvature of the tasks to every level; cascade, balanced, hqp and weighted take "
+        "it",
+        False,
     )
     projector: ProjectorSettings = inline(ProjectorSettings)
 
@@ -136,6 +138,8 @@ class Formulation(ABC):
     name: str
     layer_damping: float = 0.0  # [-] where the settings leave it open
     takes_second_order: bool = True
+    # Why not, where it does not.
+    linear_because: str = "its levels are rows of Jacobians alone, as in its paper"
     blends: bool = False  # answers each candidate of a mixture: can keep a torque-rate budget
     # Declared dataclass of the settings that only this formulation has: a third argument of it.
     own_settings: type | None = None
@@ -144,10 +148,8 @@ class Formulation(ABC):
         """Raises InvalidValue where `second_order` is set and the formulation does not take it."""
         if settings.second_order and not self.takes_second_order:
             raise InvalidValue(
-                f"second_order: formulation {self.name} does not take it: its x = sum_i P_i nu_i "
-                "minimizes |J_i nu_i - b_i|^2 + w |nu_i|^2, and the identities that condense it, "
-                "such as J_i^T (J_i J_i^T + w I)^-1 b_i, do not hold with S_i; take cascade, "
-                "balanced, hqp or weighted"
+                f"second_order: formulation {self.name} does not take it: {self.linear_because}; "
+                "take cascade, balanced, hqp or weighted"
             )
         self.settings = settings
         self.solver = solver
@@ -160,6 +162,11 @@ class Formulation(ABC):
             InvalidValue: a number outside its range.
         """
         self.settings = replace(self.settings, **numbers)
+
+    @property
+    def answers_candidates(self) -> bool:
+        """Whether candidates of a mixture are answered each with a cost on forces of its own."""
+        return self.blends
 
     @abstractmethod
     def solve(self, problem: ControlProblem) -> Solution:

@@ -20,6 +20,11 @@ from ghc_controller.problem.reduction import ReducedProblem, reduce_contacts
 from ghc_controller.problem.solution import Solution
 from ghc_controller.types import Array
 
+NO_IDENTITIES = (
+    "its x = sum_i P_i nu_i minimizes |J_i nu_i - b_i|^2 + w |nu_i|^2, and the identities that "
+    "condense it, such as J_i^T (J_i J_i^T + w I)^-1 b_i, do not hold with S_i"
+)
+
 
 @register_formulation
 class CondensedGhc(Formulation):
@@ -39,6 +44,7 @@ class CondensedGhc(Formulation):
 
     name = "ghc"
     takes_second_order = False
+    linear_because = NO_IDENTITIES
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""

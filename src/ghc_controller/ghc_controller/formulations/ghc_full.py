@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ghc_controller.formulations.formulation import Formulation, TorqueRegularization
-from ghc_controller.formulations.ghc import torque_reference
+from ghc_controller.formulations.ghc import NO_IDENTITIES, torque_reference
 from ghc_controller.formulations.registry import register_formulation
 from ghc_controller.hierarchy.projector import generalized_projectors
 from ghc_controller.problem.bounded_qp import solve_qp
@@ -25,6 +25,7 @@ class FullGhc(Formulation):
 
     name = "ghc_full"
     takes_second_order = False
+    linear_because = NO_IDENTITIES
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ghc_controller.formulations.cascade.blend import blend, with_forces
 from ghc_controller.formulations.formulation import Formulation, FormulationSettings
 from ghc_controller.formulations.hqp import Hqp
@@ -29,6 +31,11 @@ class HqpTransition(Formulation):
     def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
         super().__init__(settings, solver)
         self._cascade = Hqp(settings, solver)
+
+    def retune(self, **numbers: Any) -> None:
+        """See Formulation.retune."""
+        super().retune(**numbers)
+        self._cascade.retune(**numbers)
 
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""

@@ -52,6 +52,7 @@ class RhpHqp(Formulation):
     """
 
     name = "rhp_hqp"
+    takes_second_order = False
 
     def __init__(self, settings: FormulationSettings, solver: QpSolver) -> None:
         super().__init__(settings, solver)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ghc_controller.errors import InvalidValue
-from ghc_controller.types import Array
+from ghc_controller.types import UNIT_TOLERANCE, Array
 
 FARTHEST = 1000.0  # [m] from the origin of the world
 FASTEST, FASTEST_TURN = 10.0, 20.0  # [m/s], [rad/s] of the base; a fall from 1.5 m is 5.4 m/s
@@ -35,6 +35,16 @@ def check_base(pose: Array, twist: Array) -> None:
             raise InvalidValue(
                 f"odom.{field}: {largest:g} {unit} given, at most {most:g} {unit} expected"
             )
+
+
+def check_orientation(quaternion: Array) -> None:
+    """Raise InvalidValue where the quaternion (4,) of a base in q is not of unit length."""
+    length = math.hypot(*quaternion)
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise InvalidValue(
+            f"q[3:7] of the base: quaternion of length {length:g} given, a unit quaternion "
+            "x, y, z, w expected"
+        )
 
 
 def base_jump(

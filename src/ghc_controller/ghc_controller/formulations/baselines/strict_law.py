@@ -35,6 +35,8 @@ class StrictLaw(Formulation):
     = 0 is the form of the papers. A QP is solved only where they exceed a bound.
     """
 
+    takes_second_order = False
+
     def solve(self, problem: ControlProblem) -> Solution:
         """See Formulation.solve."""
         reduced = reduce_contacts(problem)
