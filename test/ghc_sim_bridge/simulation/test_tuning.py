@@ -217,3 +217,14 @@ def test_an_obstacle_horizon_that_the_period_cannot_carry_is_rejected() -> None:
         controller.tune({"obstacle_horizon": 1.3 * DT})
     with pytest.raises(InvalidValue, match=r"obstacle_horizon: 0\.0013 given.*diverge"):
         Controller.for_robot("kuka_lwr", Settings.of(obstacle_horizon=1.3 * DT, control_dt=DT))
+
+
+@pytest.mark.parametrize("value", [1e308, 1e200, 1e-200, 5e-324, 0.0, -1.0, float("nan")])
+def test_no_number_raises_anything_but_a_refusal(value: float) -> None:
+    """A parameter service whose check raises another error ends the controller."""
+    controller = _moving()
+    for name in controller.tuning.names:
+        try:
+            controller.tuning.check({name: value})
+        except GhcError as error:
+            assert name.split(".")[-1] in str(error)
