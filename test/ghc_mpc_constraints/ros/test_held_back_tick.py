@@ -35,7 +35,7 @@ def test_the_first_plan_of_a_run_is_that_of_its_first_tick() -> None:
     node: Any = GeneratorNode.__new__(GeneratorNode)
     node._name, node._generator = "obstacle_bounds", ObstacleBounds(ObstacleSettings())
     node._clock = TickClock(STEP_NS)
-    node._reject = lambda *words: None
+    node._reject = lambda *_: None
     parameters = SimpleNamespace(sensor_period=STEP_NS / NANOSECONDS)
     node._input = make_input(node._generator, parameters, node._clock, node._reject)
     node._early = EarlyMessages(node._clock)
