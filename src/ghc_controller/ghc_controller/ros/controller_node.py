@@ -255,8 +255,14 @@ class ControllerNode:
         return told
 
     def _on_idle(self) -> None:
-        if time.monotonic() - self._answered_at > IDLE_PERIOD:
+        if time.monotonic() - self._answered_at <= IDLE_PERIOD:
+            return
+        try:
             self._requests.between_states()
+        except Exception as error:  # of another package; raised here, it would end the node
+            words = f"a request raised {type(error).__name__}: {error}"
+            self._reject("requests", words)
+            self._modes.logic.fault(words)
 
     def _look_for_old_clients(self) -> None:
         mismatch = self._old_clients.look()
