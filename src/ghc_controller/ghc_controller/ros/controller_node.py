@@ -205,9 +205,11 @@ class ControllerNode:
             controller.observe(state)
         self._now = state.time
         self._answered_at = time.monotonic()
-        self._requests.at(state.time)
-        if resets:
-            self._requests.begin_run()
+        try:
+            self._requests.at(state.time)
+        finally:  # a request that raises does not keep the run from beginning
+            if resets:
+                self._requests.begin_run()
 
     def _send(self, values: JointStateValues, torque: Array) -> None:
         """Answer a state with a torque (a,) [Nm]."""
