@@ -22,12 +22,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
+from ghc_controller.errors import ConfigurationError
 from ghc_controller.ros.qos import CONTROL_PUBLISHER_QOS
 from ghc_controller.ros.time import nanoseconds_from_time, time_from_nanoseconds
 from ghc_controller.ros.wire.cdr import read_stamp
 from ghc_controller.types import NANOSECONDS
 from ghc_sim_bridge.recorder.bag_reading import intact_records, raw_messages
-from ghc_sim_bridge.ros.message_schema import message_schema
+from ghc_sim_bridge.ros.message_schema import message_class, message_schema
 from ghc_sim_bridge.ros.recorder_node import is_fast
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -375,3 +376,11 @@ def test_schema_holds_every_inner_message_once() -> None:
 )  # fmt: skip
 def test_fast_topics_are_known_by_name(topic: str, fast: bool) -> None:
     assert is_fast(topic) is fast
+
+
+@pytest.mark.parametrize("name", ["Frame", "vendor/idl/msg/Frame", "", "//", "..//Frame"])
+def test_a_type_of_another_middleware_is_an_error_that_names_it(name: str) -> None:
+    """Participants without ROS have types of any name; a topic of theirs ends no recording."""
+    for read in (message_class, message_schema):
+        with pytest.raises(ConfigurationError, match=f"message type '{name}'"):
+            read(name)

@@ -205,3 +205,16 @@ def test_an_effort_that_is_not_measured_is_nan_and_nothing_else_may_be() -> None
             _read(**{field: [0.0, np.nan, 0.0]})
     with pytest.raises(InvalidValue, match="effort: 2 entries given, 3 expected"):
         _read(effort=[np.nan, np.nan])
+
+
+def test_a_joint_that_is_named_twice_has_no_position() -> None:
+    """Two drivers merged into one message: which of both is measured is not known."""
+    numbers = np.array([0.1, 0.2, 0.3, 2.0])
+    twice = JointStateValues(5_000_000, "", ("c", "a", "b", "a"), numbers, numbers, np.zeros(0))
+    with pytest.raises(InvalidValue, match=r"joint_states\.name: 'a' is named twice"):
+        JointStateReader(JOINTS).read(twice, 0, {})
+    other = twice._replace(name=("c", "a", "b", "gripper"))
+    assert JointStateReader(JOINTS).read(other, 0, {}).q.tolist() == [0.2, 0.3, 0.1]
+    grippers = ("a", "b", "c", "gripper", "gripper")
+    more = JointStateValues(0, "", grippers, np.zeros(5), np.zeros(5), np.zeros(0))
+    assert JointStateReader(JOINTS).read(more, 0, {}).q.tolist() == [0.0] * 3

@@ -92,3 +92,18 @@ def test_a_reset_that_raised_is_due_until_it_has_ended(monkeypatch: pytest.Monke
     node.answer(values(10**9 + 2 * 10**6), new_epoch=False)
     assert (len(calls), logic.mode, len(sent)) == (2, Mode.HOLDING, 3)
     assert not node._resets
+
+
+def test_a_run_whose_first_request_raises_has_begun() -> None:
+    """What was sent ahead for it is taken, and references of the run before have ended."""
+    controller = ghc.Controller.for_robot("kuka_lwr")
+    logic, sent, begun = ModeLogic(Arming.REQUEST, lambda: None), list[bytes](), list[str]()
+    node = _node(controller, logic, sent)
+
+    def mistake(_: float) -> None:
+        raise ZeroDivisionError("a mistake")
+
+    node._requests.at, node._requests.begin_run = mistake, lambda: begun.append("run")
+    names, q = controller.model.joint_names, np.full(7, 0.3)
+    node.answer(JointStateValues(10**9, "", names, q, np.zeros(7), np.zeros(0)), new_epoch=True)
+    assert (begun, logic.mode, len(sent)) == (["run"], Mode.LATCHED, 1)

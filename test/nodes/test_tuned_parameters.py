@@ -76,6 +76,7 @@ def test_what_can_change_changes_and_the_rest_is_refused_with_a_reason(
     assert client.set("regularization", 1) == "", "a whole number is as good"
     assert "above 0" in client.set("regularization", 0)
     assert client.get("regularization") == 1
+    assert client.set("obstacle_horizon", 1e200) == "", "its square is no number"
     assert "it is off since the start" in client.set("torque_bound", 50.0)
     assert "read-only" in client.set("control_dt", 0.002)
 

@@ -15,6 +15,7 @@ from ghc_controller.schema.parameters import (
     one_of,
     parameter,
     positive,
+    rate,
 )
 from ghc_controller.types import CONTROL_DT
 from ghc_sim_bridge.simulation.timing import PHYSICS_DT
@@ -78,7 +79,7 @@ class RecorderParameters:
         "decimated (fast topics at fast_rate) or full (every message)",
         one_of("decimated", "full"),
     )
-    fast_rate: float = parameter(100.0, "[Hz] of simulated time, for fast topics", positive)
+    fast_rate: float = parameter(100.0, "[Hz] of simulated time, for fast topics", rate)
     executor: str = EXECUTOR
 
 

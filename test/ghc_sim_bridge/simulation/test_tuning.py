@@ -281,3 +281,14 @@ def test_a_budget_beside_a_change_of_formulation_is_rejected_with_the_reason() -
     controller.tune({"rank_tolerance": 2e-4})  # from cascade to cascade
     with pytest.raises(InvalidValue, match="a change of formulation is under way"):
         controller.change_hierarchy("elbow > posture", torque_rate=5.0)
+
+
+@pytest.mark.parametrize("value", [1e308, 1e200, 1e-200, 5e-324, 0.0, -1.0, float("nan")])
+def test_no_number_raises_anything_but_a_refusal(value: float) -> None:
+    """A parameter service whose check raises another error ends the controller."""
+    controller = _moving()
+    for name in controller.tuning.names:
+        try:
+            controller.tuning.check({name: value})
+        except GhcError as error:
+            assert name.split(".")[-1] in str(error)

@@ -62,7 +62,8 @@ def check_obstacle_horizon(horizon: float, control_dt: float) -> None:
     Raises:
         InvalidValue: says what was given and expected.
     """
-    if not 4.0 * control_dt * horizon + 2.0 * control_dt**2 < 4.0 * horizon**2:
+    share = control_dt / horizon
+    if not 4.0 * share + 2.0 * share * share < 4.0:  # a power of a float raises where it overflows
         raise InvalidValue(
             f"obstacle_horizon: {horizon:g} given; more than (1 + sqrt(3)) / 2 control_dt = "
             f"{(1.0 + 3.0**0.5) / 2.0 * control_dt:.4g} s expected: with less, the distance "

@@ -205,9 +205,11 @@ class ControllerNode:
             controller.observe(state)
         self._now = state.time
         self._answered_at = time.monotonic()
-        self._requests.at(state.time)
-        if resets:
-            self._requests.begin_run()
+        try:
+            self._requests.at(state.time)
+        finally:  # a request that raises does not keep the run from beginning
+            if resets:
+                self._requests.begin_run()
 
     def _send(self, values: JointStateValues, torque: Array) -> None:
         """Answer a state with a torque (a,) [Nm]."""
@@ -255,8 +257,14 @@ class ControllerNode:
         return told
 
     def _on_idle(self) -> None:
-        if time.monotonic() - self._answered_at > IDLE_PERIOD:
+        if time.monotonic() - self._answered_at <= IDLE_PERIOD:
+            return
+        try:
             self._requests.between_states()
+        except Exception as error:  # of another package; raised here, it would end the node
+            words = f"a request raised {type(error).__name__}: {error}"
+            self._reject("requests", words)
+            self._modes.logic.fault(words)
 
     def _look_for_old_clients(self) -> None:
         mismatch = self._old_clients.look()

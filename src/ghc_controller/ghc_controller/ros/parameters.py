@@ -13,7 +13,8 @@ from ghc_controller.schema.parameters import (
     given,
     one_of,
     parameter,
-    positive,
+    plan_step,
+    rate,
     several_of,
 )
 from ghc_controller.settings import Settings
@@ -39,7 +40,7 @@ class ControllerParameters:
     state_rate: float = parameter(
         100.0,
         "[Hz] of the robot's time: controller_state; priority_matrix while it changes",
-        positive,
+        rate,
     )
     wait_for_contacts: tuple[str, ...] = parameter(
         (), "contacts whose wrench of the same stamp a step waits for"
@@ -49,7 +50,7 @@ class ControllerParameters:
         f"kinds of previews that a step waits for: {', '.join(KINDS)}",
         several_of(*KINDS),
     )
-    bounds_step: float = parameter(PREVIEW_STEP, "[s] between two plans of a generator", positive)
+    bounds_step: float = parameter(PREVIEW_STEP, "[s] between two plans of a generator", plan_step)
     mirror_commands: bool = parameter(
         False, "publish /effort_controller/commands as well, order of the robot model"
     )

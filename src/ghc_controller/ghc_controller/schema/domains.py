@@ -146,3 +146,6 @@ POSITIVE = Range(above=0.0)
 NOT_NEGATIVE = Range(minimum=0.0)
 AT_LEAST_ONE = Range(minimum=1.0)
 SHARE = Range(minimum=0.0, maximum=1.0)
+# Their periods are whole numbers of nanoseconds, more than zero.
+RATE = Range(minimum=1e-3, maximum=1e6)  # [Hz] of a topic
+PLAN_STEP = Range(minimum=1e-6, maximum=10.0)  # [s] between two plans, and two points of a preview

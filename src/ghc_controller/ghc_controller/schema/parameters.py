@@ -5,9 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 from ghc_controller.schema.declared import declared
-from ghc_controller.schema.domains import NOT_NEGATIVE, POSITIVE, Distinct, Domain, NotEmpty, OneOf
+from ghc_controller.schema.domains import (
+    NOT_NEGATIVE,
+    PLAN_STEP,
+    POSITIVE,
+    RATE,
+    Distinct,
+    Domain,
+    NotEmpty,
+    OneOf,
+)
 
 positive, not_negative, given = POSITIVE, NOT_NEGATIVE, NotEmpty()
+rate, plan_step = RATE, PLAN_STEP
 
 
 def parameter(default: Any, description: str, domain: Domain | None = None) -> Any:

@@ -16,14 +16,14 @@ import numpy as np
 
 from ghc_controller.errors import InvalidValue
 from ghc_controller.schema.declared import declared
-from ghc_controller.schema.domains import POSITIVE
+from ghc_controller.schema.domains import PLAN_STEP, POSITIVE
 from ghc_controller.types import PREVIEW_STEP, Array
 
 STEP_TOLERANCE = 1e-6  # [-] distance of a time from the grid, as a fraction of a step
 
 # Common settings of all generators.
 STEP = declared(
-    "T between ticks; a multiple of the control period", PREVIEW_STEP, unit="s", domain=POSITIVE
+    "T between ticks; a multiple of the control period", PREVIEW_STEP, unit="s", domain=PLAN_STEP
 )
 HORIZON = declared("N T of the preview; a multiple of the step", 1.5, unit="s", domain=POSITIVE)
 SMOOTHING = declared("false: raw values pass through, for comparison", True)

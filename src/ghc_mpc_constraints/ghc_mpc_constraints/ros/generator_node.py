@@ -147,6 +147,7 @@ class GeneratorNode:
         if self._clock.new_epoch:  # previews and inputs of the new run have its stamps
             self._generator.reset()
             self._input.forget()
+            self._held_back_ns = None  # of the run before
             self._early.begin_run()
         if due in (Due.STALE, Due.IMPLAUSIBLE):
             self._reject(

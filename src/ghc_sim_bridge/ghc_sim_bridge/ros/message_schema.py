@@ -19,9 +19,9 @@ def message_schema(type_name: str) -> str:
     """Concatenated .msg text of `type_name`, such as "sensor_msgs/msg/JointState".
 
     Raises:
-        ConfigurationError: the package or its .msg file is not installed.
+        ConfigurationError: the package or its .msg file is not installed, or the name is none.
     """
-    package, _, name = type_name.split("/")
+    package, name = _parts(type_name)
     parts = [_definition(package, name)]
     seen = {(package, name)}
     open_ = _dependencies(package, name)
@@ -39,14 +39,25 @@ def message_class(type_name: str) -> type:
     """Class of `type_name`, such as "sensor_msgs/msg/JointState".
 
     Raises:
-        ConfigurationError: the package is not installed, or has no such message.
+        ConfigurationError: the package is not installed, or has no such message, or the name is
+            none.
     """
-    package, _, name = type_name.split("/")
+    package, name = _parts(type_name)
     try:
         found: type = getattr(import_module(f"{package}.msg"), name)
     except (ImportError, AttributeError) as error:
         raise ConfigurationError(f"message type '{type_name}': {error}") from error
     return found
+
+
+def _parts(type_name: str) -> tuple[str, str]:
+    """Package and name of a type; one of a participant without ROS may have any name."""
+    package, _, name = type_name.split("/") if type_name.count("/") == 2 else ("", "", "")
+    if not (package.isidentifier() and name.isidentifier()):
+        raise ConfigurationError(
+            f"message type '{type_name}': a name such as 'sensor_msgs/msg/JointState' expected"
+        )
+    return package, name
 
 
 def same_layout(one: str, other: str) -> bool:

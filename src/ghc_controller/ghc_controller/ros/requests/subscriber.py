@@ -134,7 +134,7 @@ class RequestSubscriber:
     def _check_and_apply(self, topic: str, message: Any, now: float) -> None:
         try:
             value = self._checked(message, now)
-        except GhcError as error:
+        except Exception as error:  # as in `_prepared`
             self._refuse(topic, message, str(error))
             return
         self._apply(topic, message, value, now)
@@ -165,6 +165,9 @@ class RequestSubscriber:
         except GhcError as error:
             self._refuse(topic, message, str(error))
             return
+        except Exception as error:  # of another package: what was applied of it is not known
+            self._refuse(topic, message, f"{type(error).__name__}: {error}")
+            raise
         if isinstance(value, ReferenceTrajectory):
             self._replies.accepted_reference(message, value.start_time, now)
             self._progress.add(message.id, value)

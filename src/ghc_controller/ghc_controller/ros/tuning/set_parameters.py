@@ -49,5 +49,8 @@ class ParameterTuning:
             change = self._controller.tuning.check(values)
         except GhcError as error:
             return SetParametersResult(successful=False, reason=str(error))
+        except Exception as error:  # of another package; raised here, it would end the node
+            reason = f"{', '.join(values)}: {type(error).__name__}: {error}"
+            return SetParametersResult(successful=False, reason=reason)
         self._controller.tuning.begin(change)
         return SetParametersResult(successful=True)

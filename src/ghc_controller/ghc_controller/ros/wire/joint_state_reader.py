@@ -41,8 +41,8 @@ class JointStateReader:
                 angular velocity in base axes.
 
         Raises:
-            InvalidValue: a joint is missing, a field has the wrong size, or an entry is not
-                finite (effort: infinite); names the field and the joint.
+            InvalidValue: a joint is missing or named twice, a field has the wrong size, or an
+                entry is not finite (effort: infinite); names the field and the joint.
         """
         if values.name is not self._names:
             self._look_up(values.name)
@@ -58,6 +58,11 @@ class JointStateReader:
             raise InvalidValue(
                 f"joint_states.name: {', '.join(missing)} missing; given: "
                 f"{', '.join(names) or 'none'}"
+            )
+        twice = [joint for joint in self._joints if names.count(joint) > 1]
+        if twice:
+            raise InvalidValue(
+                f"joint_states.name: '{twice[0]}' is named twice, each joint once expected"
             )
         self._index = np.array([names.index(joint) for joint in self._joints])
         self._names = names
