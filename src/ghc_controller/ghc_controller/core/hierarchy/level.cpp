@@ -202,32 +202,26 @@ void Level::step(const Eigen::Ref<const Vector>& s, const NullSpace& above, Vect
 }
 
 void Level::see(const double* rows, Index stride, Index count, const NullSpace& above) {
-  const Index k = inner_rows_;
-  seen_.resize(k, count);
-  const auto V = above.basis();
-  for (Index i = 0; i < k; ++i) {
-    const double* of_level = identity_ ? V.row(i).data() : inner_.row(i).data();
-    dot_rows(rows, stride, count, of_level, optimum_.size(), seen_.row(i).data());
-  }
-  through_ = seen_;
-  if (identity_) {
-    for (Index i = 0; i < k; ++i) {
-      add_weighted(seen_.data(), count, k, overlap_.row(i).data(), 1.0, count,
-                   through_.row(i).data());
+  const Index k = inner_rows_, d = optimum_.size();
+  seen_.resize(k, count), through_.resize(k, count);
+  weights_.resize(k), spread_of_.resize(k);
+  for (Index j = 0; j < count; ++j) {
+    const ConstVector row(rows + j * stride, d);
+    if (identity_) {
+      times(above.basis(), row, weights_);
+      seen_.col(j) = weights_;
+      times(overlap_, weights_, spread_of_);
+      weights_ += spread_of_;
+    } else {
+      times(inner_, row, weights_);
     }
+    through_.col(j) = weights_;
   }
-  for (Index i = 0; i < k; ++i) {  // S^-1, all rows at once
-    double* out = through_.row(i).data();
-    add_weighted(through_.data(), count, i, factor_.row(i).data(), -1.0, count, out);
-    through_.row(i) *= 1.0 / factor_(i, i);
-  }
-  if (!identity_) {
+  divide_columns_by_lower(factor_, through_);
+  if (identity_) {
+    divide_columns_by_lower_transposed(factor_, through_);
+  } else {
     seen_ = through_;
-    return;
-  }
-  for (Index i = k - 1; i >= 0; --i) {  // S^-T
-    through_.row(i) *= 1.0 / factor_(i, i);
-    for (Index c = 0; c < i; ++c) through_.row(c) -= factor_(i, c) * through_.row(i);
   }
 }
 

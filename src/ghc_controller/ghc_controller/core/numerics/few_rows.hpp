@@ -68,4 +68,37 @@ inline void divide_by_lower_transposed(const Matrix& lower, Vector& x) {
   }
 }
 
+// columns = L^-1 columns (m, q), each as if it were alone.
+inline void divide_columns_by_lower(const Matrix& lower, Matrix& columns) {
+  const Index m = columns.rows(), q = columns.cols();
+  for (Index i = 0; i < m; ++i) {
+    const double* row = lower.row(i).data();
+    double* out = columns.row(i).data();
+    if (q < 4) {  // too few for calls
+      for (Index j = 0; j < q; ++j) {
+        for (Index c = 0; c < i; ++c) out[j] -= row[c] * columns(c, j);
+      }
+    } else {
+      add_weighted(columns.data(), q, i, row, -1.0, q, out);
+    }
+    const double inverse = 1.0 / row[i];
+    for (Index j = 0; j < q; ++j) out[j] *= inverse;
+  }
+}
+
+// columns = L^-T columns, alike.
+inline void divide_columns_by_lower_transposed(const Matrix& lower, Matrix& columns) {
+  const Index m = columns.rows(), q = columns.cols();
+  for (Index i = m - 1; i >= 0; --i) {
+    const double* row = lower.row(i).data();
+    double* of_row = columns.row(i).data();
+    const double inverse = 1.0 / row[i];
+    for (Index j = 0; j < q; ++j) of_row[j] *= inverse;
+    for (Index c = 0; c < i; ++c) {
+      double* out = columns.row(c).data();
+      for (Index j = 0; j < q; ++j) out[j] -= row[c] * of_row[j];
+    }
+  }
+}
+
 }  // namespace ghc
