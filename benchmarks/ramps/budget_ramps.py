@@ -9,7 +9,7 @@ import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.random_tasks import strict_matrix
-from ghc_controller.formulations import make_formulation
+from ghc_controller.formulations import ForceExpansion, make_formulation
 from ghc_controller.hierarchy import Priorities
 from ghc_controller.types import Array
 from ghc_sim_bridge import Simulator
@@ -49,17 +49,30 @@ def follow(controller: ghc.Controller, case: Case, duration: float, torque_rate:
         ghc.Transition(target, start, duration, ghc.Profile.LINEAR, torque_rate=torque_rate), 0.0
     )
     judge = make_formulation(controller.formulation.name, controller.settings.optimization)
+    costs: dict[bytes, ForceExpansion] = {}  # on contact forces, of orders seen so far
     added, tick = 0.0, 0
     while tick * PERIOD < start + _LONGEST:
         before = schedule.in_force
         step(tick * PERIOD)
         if tick * PERIOD >= start - 0.5 * PERIOD:
-            change = _by_shares(judge, controller.problem(), before, schedule.in_force)
+            problem = _with_costs(controller.problem(), costs)
+            change = _by_shares(judge, problem, before, schedule.in_force)
             added = max(added, float(np.abs(change).max()) / PERIOD)
             if not schedule.in_transition:
                 return Way((tick + 1) * PERIOD - start, added)
         tick += 1
     return Way(np.inf, added)
+
+
+def _with_costs(
+    problem: ghc.ControlProblem, costs: dict[bytes, ForceExpansion]
+) -> ghc.ControlProblem:
+    """The problem with the costs on forces of orders that have left the mixture."""
+    contacts = problem.contacts
+    if contacts is None:
+        return problem
+    costs |= contacts.of_candidates
+    return replace(problem, contacts=contacts._replace(of_candidates=dict(costs)))
 
 
 def _by_shares(

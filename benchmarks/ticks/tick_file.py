@@ -65,11 +65,9 @@ def _arrays(problem: ghc.ControlProblem) -> dict[str, Array]:
     if contacts is not None:
         arrays["sizes"][2] = contacts.bounds
         arrays |= {f"contacts/{name}": getattr(contacts, name) for name in _CONTACTS}
-        for index, cost in enumerate(contacts.of_candidates):
-            arrays |= {
-                f"contacts/{index}/center": cost.center,
-                f"contacts/{index}/factor": cost.factor,
-            }
+        for index, cost in enumerate(problem.own_costs()):
+            place = f"contacts/{index}"
+            arrays |= {f"{place}/center": cost.center, f"{place}/factor": cost.factor}
     return arrays
 
 
@@ -89,12 +87,12 @@ def _problem(arrays: Mapping[str, Array]) -> ghc.ControlProblem:
         parts = {name: arrays[f"contacts/{name}"] for name in _CONTACTS}
         names = tuple(map(str, range(len(arrays["contacts/force_lower"]))))
         contacts = ContactRows(**parts, names=names, bounds=bounds)  # type: ignore[arg-type]
-        costs = (
-            ForceExpansion(arrays[f"contacts/{index}/center"], arrays[f"contacts/{index}/factor"])
-            for index in range(len(arrays["share"]))
-            if f"contacts/{index}/center" in arrays
-        )
-        contacts = contacts._replace(of_candidates=tuple(costs))
+        costs = {
+            alpha.tobytes(): ForceExpansion(arrays[f"{place}/center"], arrays[f"{place}/factor"])
+            for index, alpha in enumerate(arrays["alpha"])
+            if f"{(place := f'contacts/{index}')}/center" in arrays
+        }
+        contacts = contacts._replace(of_candidates=costs)
     mixture = zip(arrays["alpha"], arrays["share"].tolist(), strict=True)
     return ghc.ControlProblem(
         arrays["jacobian"],

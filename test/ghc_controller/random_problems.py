@@ -81,10 +81,12 @@ def own_costs(rng: np.random.Generator, problem: ControlProblem) -> ControlProbl
     if problem.contacts is None:
         return problem
     c = len(problem.contacts.force_center)
-    costs = tuple(
-        ForceExpansion(rng.normal(size=c), (np.eye(c) + 0.3 * rng.normal(size=(c, c))) * 30.0)
-        for _ in problem.priorities.candidates
-    )
+    costs = {
+        candidate.alpha.tobytes(): ForceExpansion(
+            rng.normal(size=c), (np.eye(c) + 0.3 * rng.normal(size=(c, c))) * 30.0
+        )
+        for candidate in problem.priorities.candidates
+    }
     return replace(problem, contacts=problem.contacts._replace(of_candidates=costs))
 
 

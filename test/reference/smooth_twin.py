@@ -32,7 +32,7 @@ def at_its_cost(problem: ControlProblem, index: int) -> ControlProblem:
     contacts = problem.contacts
     if contacts is None or not contacts.of_candidates:
         return problem
-    own = contacts.of_candidates[index]
+    own = contacts.of_candidates[problem.priorities.candidates[index].alpha.tobytes()]
     contacts = contacts._replace(force_center=own.center, force_factor=own.factor)
     return replace(problem, contacts=contacts)
 

@@ -5,13 +5,16 @@ Each candidate expands the cost on contact forces about its own forces.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchmarks.ramps.share_ramps import follow, orders_of
 from benchmarks.random_tasks import Reach, random_references, strict_matrix
 from ghc_controller.controller import Controller
-from ghc_controller.hierarchy import PriorityMatrix, Transition
+from ghc_controller.formulations import make_formulation
+from ghc_controller.hierarchy import Priorities, PriorityMatrix, Profile, Transition
 from ghc_controller.settings import Settings
 from ghc_controller.types import Array, RobotState
 
@@ -110,3 +113,26 @@ def test_a_hand_over_in_a_ramp_keeps_the_forces_of_each_candidate(
         runs.append(np.array(torques))
     assert standing.formulation.name == "cascade"
     np.testing.assert_allclose(runs[1], runs[0], rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", [3, 11])
+def test_the_problem_of_a_step_is_the_one_that_it_solved(standing: Controller, seed: int) -> None:
+    """Also where contacts or an order came on, and it was solved again; as each order alone."""
+    rng = np.random.default_rng(seed)
+    names, order = standing.robot.task_names, _begin(standing, rng)
+    judge = make_formulation("cascade", standing.settings.optimization)
+    for step in range(8):
+        time = 1e-3 * step
+        if step in (0, 4):
+            matrix = PriorityMatrix(names, strict_matrix(order, len(names)))
+            duration, order = (0.1 if step else 0.0), rng.permutation(order).tolist()
+            standing.add_transition(Transition(matrix, time, duration, Profile.LINEAR), time)
+        torque = standing.step(_state(standing, time)).torque
+        problem = standing.problem()
+        candidates = problem.priorities.candidates
+        assert len(candidates) == len(problem.own_costs() or candidates) == (2 if step > 4 else 1)
+        assert np.allclose(judge.solve(problem).torque, torque, rtol=0.0, atol=1e-6)
+        alone = [replace(problem, priorities=Priorities.of(one.alpha)) for one in candidates]
+        parts = [judge.solve(one).torque for one in alone]
+        shares = [one.share for one in candidates]
+        assert np.allclose(np.dot(shares, parts), torque, rtol=0.0, atol=1e-6)

@@ -214,12 +214,15 @@ def test_sizes_that_do_not_fit_are_rejected() -> None:
             core.solve(orders, shares, *arrays, *_EFFORT)
     assert problem.contacts is not None
     cost = ForceExpansion(problem.contacts.force_center, problem.contacts.force_factor)
-    for wrong in ((cost.center[1:], cost.factor), (cost.center, cost.factor[1:]), (cost.center,)):
+    pair = (cost.center, cost.factor)
+    wrong = ((cost.center[1:], cost.factor), (cost.center, cost.factor[1:]), (cost.center,))
+    for costs in (*((one,) for one in wrong), (pair, pair)):
+        given = [*arrays, *_EFFORT, None, 0.0, costs]
         with pytest.raises(ValueError, match="expected"):
-            solve([*arrays[:12], problem.contacts._replace(of_candidates=(wrong,)), arrays[13]])
+            core.solve((order,), (1.0,), *given)
         with pytest.raises(IndexError, match="expected"):
             core.forces()
-    assert solve([*arrays[:12], problem.contacts._replace(of_candidates=(cost,)), arrays[13]]) == 1
+    assert core.solve((order,), (1.0,), *[*arrays, *_EFFORT, None, 0.0, (pair,)])[0] == 1
     assert solve(arrays) == 1
     assert len(core.forces()) == 1
     space = NullSpace(7, 3)

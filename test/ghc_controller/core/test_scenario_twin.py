@@ -81,15 +81,18 @@ def test_with_a_cost_on_forces_for_each_order_the_core_is_the_twin() -> None:
     rng = np.random.default_rng(9)
     tried = solved = 0
     for problem in (one for path in FILES for one in _problems(path)):
-        contacts, count = problem.contacts, len(problem.priorities.candidates)
-        if contacts is None or count == 1:
+        contacts = problem.contacts
+        if contacts is None or len(problem.priorities.candidates) == 1:
             continue
         center, factor = contacts.force_center, contacts.force_factor
-        costs = [
-            ForceExpansion(center + rng.normal(scale=_APART, size=len(center)), factor * scale)
-            for scale in rng.uniform(0.7, 1.4, count)
-        ]
-        own = replace(problem, contacts=contacts._replace(of_candidates=tuple(costs)))
+        costs = {
+            one.alpha.tobytes(): ForceExpansion(
+                center + rng.normal(scale=_APART, size=len(center)),
+                factor * rng.uniform(0.7, 1.4),
+            )
+            for one in problem.priorities.candidates
+        }
+        own = replace(problem, contacts=contacts._replace(of_candidates=costs))
         for one in (own, *(_limited(own, rng, share) for share in _REACHED)):
             tried, solved = tried + 1, solved + (_is_twin(one) is not None)
     assert tried >= 12

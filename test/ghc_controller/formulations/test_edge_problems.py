@@ -107,6 +107,6 @@ def test_what_is_not_finite_is_named_and_not_solved(name: str, part: str) -> Non
         values.flat[0] = np.inf
         spoiled = replace(problem, **{part: values})
     contacts = ContactSet((), 0.0)
-    solution = solve_settled(make_formulation(name), spoiled, contacts, (), lambda: None)
+    solution, _ = solve_settled(make_formulation(name), spoiled, contacts, (), lambda: None)
     assert solution.status is SolutionStatus.FAILED
     assert solution.reason == f"{part} of the control problem is not finite"

@@ -113,7 +113,7 @@ class ContactSet:
             factor,
             (),
             forces=layout.forces,
-            of_candidates=tuple([cost.of(places, references, time, key) for key in cost.keys]),
+            of_candidates={key: cost.of(places, references, time, key) for key in cost.keys},
         )
 
     @property

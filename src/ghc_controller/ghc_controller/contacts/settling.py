@@ -24,7 +24,7 @@ def solve_settled(
     contacts: ContactSet,
     active: tuple[bool, ...],
     rows: Callable[[], ContactRows | None],
-) -> Solution:
+) -> tuple[Solution, ControlProblem]:
     """Solve; repeat if a contact or an order was just activated: it knows no past forces.
 
     The cost on forces expands about them. An order that enters a mixture expands about those of
@@ -35,25 +35,30 @@ def solve_settled(
         contacts: stores the forces for the next step.
         active: (contacts,) which of them are active.
         rows: recomputes those of `problem.contacts` with the forces stored last.
+
+    Returns:
+        The solution, and the problem that it solves: the given one, or its last repetition.
     """
     solution = formulation.answer(problem)
     contacts.remember(active, solution.force, solution.of_candidates)
     if contacts.knows_forces(active) and not _enters(problem, solution, contacts):
-        return solution
+        return solution, problem
     for _ in range(_FURTHER_SOLVES):
         if solution.status is SolutionStatus.FAILED or formulation.solver.is_late:
             break
         contacts.advance()
         capped = formulation.solver.counts["capped"]
-        again = formulation.solve(replace(problem, contacts=rows()))
+        expanded = replace(problem, contacts=rows())
+        again = formulation.solve(expanded)
         cut = formulation.solver.is_late or formulation.solver.counts["capped"] > capped
         if again.status is SolutionStatus.FAILED or cut:
             break  # the previous solution is complete
         contacts.remember(active, again.force, again.of_candidates)
-        change, solution = np.abs(again.torque - solution.torque).max(), again
+        change = np.abs(again.torque - solution.torque).max()
+        solution, problem = again, expanded
         if change < _SETTLED:
             break
-    return solution
+    return solution, problem
 
 
 def _enters(problem: ControlProblem, solution: Solution, contacts: ContactSet) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter
 from typing import Protocol
 
@@ -72,14 +73,19 @@ class StepInParts:
         after_terms = perf_counter()
         formulation, bounds = controller.formulation, limits.normal_bounds
         formulation.solver.begin_step()
-        solution = solve_settled(
+        problem = controller.views.of(
+            priorities, limits, controller.settings.optimization.second_order
+        )
+        solution, solved = solve_settled(
             formulation,
-            controller.views.of(priorities, limits, controller.settings.optimization.second_order),
+            problem,
             controller.contacts,
             bounds.active,
             lambda: controller.constraints.on_forces(self.contact_rows(bounds, time)),
         )
         formulation.solver.end_step()
+        if solved is not problem:
+            limits = replace(limits, contact_rows=solved.contacts)
         end = perf_counter()
         times = after_terms - begin, end - after_terms
         return Answer(events, before, limits, priorities, solution, None, *times)

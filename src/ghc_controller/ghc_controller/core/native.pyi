@@ -341,18 +341,20 @@ class Mixture:
         of_step: int,
         clock: Clock | None = None,
         end: float = 0.0,
+        costs: tuple[tuple[Array, Array], ...] = (),
     ) -> tuple[int, int, int, tuple[Any, ...]]:
         """Answer the orders one after the other, up to one that is None or is left open.
 
         Args:
             orders: and the shares of the mixture; the other arrays are those of ControlProblem.
-                `of_candidates` of the contacts gives each order its own cost on forces.
             bounded: whether levels that meet a bound are solved too; else they are left open.
             of_qp: most pivots of a level.
             of_step: most pivots of all orders and of the torque rate limit; -1: each order has
                 those of a level.
             clock: no level begins after `end` [s] of it, or after its share of what was left where
                 several orders are answered; None: whatever the time.
+            costs: center (c,) and factor (c, c) of the cost on forces of each order; (): that of
+                the contacts.
 
         Returns:
             How many orders have an answer, -1 where the problem is not finite; where all have,

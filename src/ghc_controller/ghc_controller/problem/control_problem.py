@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -19,6 +20,9 @@ class ForceExpansion(NamedTuple):
 
     center: Array  # (c,) [N] f_0
     factor: Array  # (c, c) F with F F^T = H_f^-1
+
+
+_NO_COSTS: Mapping[bytes, ForceExpansion] = {}
 
 
 class ContactRows(NamedTuple):
@@ -40,14 +44,12 @@ class ContactRows(NamedTuple):
     names: tuple[str, ...]  # (r,)
     bounds: int = 0
     forces: tuple[tuple[str, slice], ...] = ()  # names of the contacts, and their entries of f
-    of_candidates: tuple[ForceExpansion, ...] = ()  # costs, each its own; (): all share the above
+    of_candidates: Mapping[bytes, ForceExpansion] = _NO_COSTS  # by alpha; others have the above
 
-    def of_candidate(self, index: int) -> ContactRows:
-        """The same with the cost of one candidate alone."""
-        if not self.of_candidates:
-            return self
-        center, factor = self.of_candidates[index]
-        return self._replace(force_center=center, force_factor=factor, of_candidates=())
+    def cost_of(self, alpha: Array) -> ForceExpansion:
+        """Cost on the forces where a matrix (k, k) is in force."""
+        shared = ForceExpansion(self.force_center, self.force_factor)
+        return self.of_candidates.get(alpha.tobytes(), shared)
 
 
 class AccelerationRows(NamedTuple):
@@ -104,11 +106,20 @@ class ControlProblem:
 
     def of_candidate(self, index: int) -> ControlProblem:
         """The problem of one candidate of the mixture alone."""
-        return replace(
-            self,
-            priorities=Priorities.of(self.priorities.candidates[index].alpha),
-            contacts=None if self.contacts is None else self.contacts.of_candidate(index),
-        )
+        alpha, contacts = self.priorities.candidates[index].alpha, self.contacts
+        if contacts is not None and contacts.of_candidates:
+            center, factor = contacts.cost_of(alpha)
+            contacts = contacts._replace(
+                force_center=center, force_factor=factor, of_candidates=_NO_COSTS
+            )
+        return replace(self, priorities=Priorities.of(alpha), contacts=contacts)
+
+    def own_costs(self) -> tuple[ForceExpansion, ...]:
+        """Cost on contact forces of each candidate; () where all share one."""
+        contacts = self.contacts
+        if contacts is None or not contacts.of_candidates:
+            return ()
+        return tuple([contacts.cost_of(one.alpha) for one in self.priorities.candidates])
 
     @property
     def limits_rate(self) -> bool:
@@ -137,7 +148,7 @@ class ControlProblem:
                 "contact force_center": self.contacts.force_center,
                 "contact force_factor": self.contacts.force_factor,
             }
-            for center, factor in self.contacts.of_candidates:
+            for center, factor in self.contacts.of_candidates.values():
                 if not math.isfinite(center.sum() + factor.sum()):
                     return "contact force cost of a candidate"
         if self.rows is not None:

@@ -17,7 +17,7 @@ constexpr size_t kArrays = 11, kGeneral = 3, kContacts = 8;
 class HeldProblem {
  public:
   // The first eleven are those of `Problem` in its order; `general` are the first three of
-  // AccelerationRows and `contacts` the first eight of ContactRows and its costs, or None.
+  // AccelerationRows and `contacts` the first eight of ContactRows, or None.
   const Problem& take(const std::array<nb::handle, kArrays>& given, nb::handle general,
                       nb::handle contacts, Index unactuated) {
     View* const views[kArrays] = {&problem_.jacobian,   &problem_.target,    &problem_.mass_matrix,
@@ -37,11 +37,25 @@ class HeldProblem {
                                      &problem_.force_lower,      &problem_.force_upper,
                                      &problem_.force_center,     &problem_.force_factor};
     parts(contacts, kContacts, forces, contacts_.data(), 0b10001101);
-    take_costs(contacts.is_none() ? nb::none() : nb::getattr(contacts, "of_candidates", nb::none()));
+    problem_.of_orders.clear();
     problem_.in_contact = !contacts.is_none();
     problem_.unactuated = unactuated;
     problem_.check();
     return problem_;
+  }
+
+  // Costs on forces of the orders of the problem that was taken: pairs of a center and a factor.
+  void take_costs(const nb::tuple& costs) {
+    costs_.resize(costs.size());
+    for (size_t i = 0; i < costs.size(); ++i) {
+      const nb::object cost = costs[i];
+      if (!nb::isinstance<nb::tuple>(cost) || nb::len(cost) != 2) {
+        throw nb::value_error("center and factor of each order expected");
+      }
+      problem_.of_orders.push_back(
+          {costs_[i][0].take(cost[0], 1), costs_[i][1].take(cost[1], 2)});
+    }
+    problem_.check();
   }
 
   // The same without velocity and bounds.
@@ -60,19 +74,6 @@ class HeldProblem {
   Index rows() const { return problem_.jacobian.rows; }
 
  private:
-  // Costs on forces of the orders: pairs of a center and a factor, or None.
-  void take_costs(nb::handle given) {
-    problem_.of_orders.clear();
-    if (given.is_none()) return;
-    const auto costs = nb::cast<nb::tuple>(given);
-    costs_.resize(costs.size());
-    for (size_t i = 0; i < costs.size(); ++i) {
-      const auto cost = nb::cast<nb::tuple>(costs[i]);
-      if (cost.size() != 2) throw nb::value_error("center and factor of each order expected");
-      problem_.of_orders.push_back({costs_[i][0].take(cost[0], 1), costs_[i][1].take(cost[1], 2)});
-    }
-  }
-
   // Entries of a tuple; bit i of `matrices` is set where entry i has two axes.
   static void parts(nb::handle given, size_t count, View* const* views, HeldArray* held,
                     unsigned matrices) {
@@ -141,7 +142,7 @@ class HeldMixture {
                   nb::handle tau_lower, nb::handle tau_upper, nb::handle limit_lower,
                   nb::handle limit_upper, nb::handle general, nb::handle contacts,
                   Index unactuated, bool bounded, Index of_qp, Index of_step, Clock* clock,
-                  double end) {
+                  double end, nb::tuple costs) {
     mixture_.forget();
     orders_.clear();
     const Problem& problem =
@@ -149,6 +150,12 @@ class HeldMixture {
                     limit_upper},
                    general, contacts, unactuated);
     take_orders(orders, shares, held_.rows());
+    if (costs.size() != 0) {
+      if (costs.size() != orders_.size() || !problem.in_contact) {
+        throw nb::value_error("in contact a cost on forces of each order expected");
+      }
+      held_.take_costs(costs);
+    }
     const Index done = answer_all(problem, {bounded, of_qp, of_step, {clock, end}});
     if (done < static_cast<Index>(orders_.size())) {
       return nb::make_tuple(done, 0, 0, nb::tuple());

@@ -67,7 +67,7 @@ void bind_solve(nb::module_& m) {
            "mass_matrix"_a, "bias"_a, "velocity"_a, "x_lower"_a, "x_upper"_a, "tau_lower"_a,
            "tau_upper"_a, "limit_lower"_a, "limit_upper"_a, "rows"_a.none(), "contacts"_a.none(),
            "unactuated"_a, "bounded"_a, "of_qp"_a, "of_step"_a,
-           "clock"_a = nb::none(), "end"_a = 0.0)
+           "clock"_a = nb::none(), "end"_a = 0.0, "costs"_a = nb::tuple())
       .def("retune", &HeldMixture::retune)
       .def("answer", &HeldMixture::answer, "index"_a, "bounded"_a, "of_qp"_a, "of_order"_a,
            "clock"_a = nb::none(), "end"_a = 0.0)

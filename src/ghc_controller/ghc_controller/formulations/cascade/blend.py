@@ -53,8 +53,7 @@ def with_forces(
     blended: Solution, answers: Sequence[Solution], problem: ControlProblem
 ) -> Solution:
     """The blend with the forces of each answer, where each has its own cost on them."""
-    contacts = problem.contacts
-    if contacts is None or not contacts.of_candidates:
+    if not problem.own_costs():
         return blended
     failed = any(answer.status is SolutionStatus.FAILED for answer in answers)
     return blended._replace(of_candidates=() if failed else tuple(one.force for one in answers))

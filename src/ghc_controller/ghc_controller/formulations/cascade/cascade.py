@@ -93,7 +93,7 @@ class Cascade(Formulation):
             iterations=iterations,
             violation=violation,
         )
-        if problem.contacts is not None and problem.contacts.of_candidates:
+        if problem.own_costs():
             solution = solution._replace(of_candidates=self.core.forces())
         return solution if within else self._within_rate(problem, solution)
 
@@ -135,6 +135,7 @@ class Cascade(Formulation):
             solver.step_budget,
             solver.clock,
             solver.part_end,
+            problem.own_costs(),
         )
 
     def _apart(self, problem: ControlProblem, orders: Sequence[Order | None]) -> Solution:
