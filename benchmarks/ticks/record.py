@@ -11,18 +11,16 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
 import ghc_controller as ghc
 from benchmarks.fencing_loop import start
+from benchmarks.planned_runs import LIMITS, planned_robot, planned_transition
 from benchmarks.ticks.tick_file import STATES, save
-from ghc_controller.robot.library import find_robot
 from ghc_sim_bridge import Simulator
-from ghc_sim_bridge.scenario.plan import PlannedPhase, RunOptions, RunPlan
+from ghc_sim_bridge.scenario.plan import RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan
-from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 from ghc_sim_bridge.scenario.scenario import load_scenario, scenario_names
 
 _KINDS = ("free", "bounded", "ramp")  # of a tick: what is kept of each scenario
@@ -61,7 +59,8 @@ def _ticks(name: str) -> Iterator[tuple[str, ghc.ControlProblem]]:
     sampled = [replace(each, points=each.points_until(end)) for each in known]
     start(controller, simulator, replace(plan.scenario, references=tuple(sampled)))
     for planned in plan.phases:
-        _send(controller, planned)
+        transition = planned_transition(planned, controller.robot.task_names)
+        controller.add_transition(transition, 0.0)
     steps = round(end / plan.control_dt)
     for tick in range(steps):
         result = controller.step(simulator.state())
@@ -75,28 +74,13 @@ def _ticks(name: str) -> Iterator[tuple[str, ghc.ControlProblem]]:
 
 def _controller(plan: RunPlan) -> ghc.Controller:
     given = plan.parameters["controller"]
-    names = ("velocity_limit", "position_limits", "velocity_limits")
     settings = ghc.Settings(
         control_dt=plan.control_dt,
         hierarchy=given.get("hierarchy", ""),
         torque_rate_limit=plan.scenario.torque_rate_limit,
-        **{name: given[name] for name in names if name in given},
+        **{name: given[name] for name in LIMITS if name in given},
     )
-    with TemporaryDirectory() as folder:
-        source = find_robot(plan.scenario.robot)
-        changed = write_changed_robot(source, plan.changes, Path(folder) / "robot.yaml")
-        return ghc.Controller(ghc.load_robot(str(changed)), settings)
-
-
-def _send(controller: ghc.Controller, planned: PlannedPhase) -> None:
-    phase, names = planned.phase, controller.robot.task_names
-    if phase.table is None:
-        matrix = ghc.matrix_from_hierarchy(names, phase.hierarchy)
-    else:
-        entries = [entry for row in phase.table.alpha for entry in row]
-        matrix = ghc.PriorityMatrix.from_rows(names, phase.table.tasks, entries)
-    transition = ghc.Transition(matrix, planned.start, planned.ramp, hierarchy=phase.hierarchy)
-    controller.add_transition(transition, 0.0)
+    return ghc.Controller(planned_robot(plan), settings)
 
 
 if __name__ == "__main__":

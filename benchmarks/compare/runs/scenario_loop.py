@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import ghc_controller as ghc
 from benchmarks.compare.case import Result
@@ -12,15 +11,13 @@ from benchmarks.compare.method import Method
 from benchmarks.compare.runs.closed_loop import Loop, Span, run_loop
 from benchmarks.compare.runs.measures import measure
 from benchmarks.fencing_loop import start
-from ghc_controller.robot.library import find_robot
+from benchmarks.planned_runs import LIMITS, planned_robot, planned_transition
 from ghc_sim_bridge import Simulator
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.plan import PlannedPhase, RunOptions, RunPlan
 from ghc_sim_bridge.scenario.planning import make_plan
-from ghc_sim_bridge.scenario.robot_changes import write_changed_robot
 from ghc_sim_bridge.scenario.scenario import load_scenario
 
-_LIMITS = ("velocity_limit", "position_limits", "velocity_limits")  # of the scenario's parameters
 _QUICK_RAMP, _QUICK_HOLD = 0.02, 0.02  # [s]
 _FALLEN = 0.6  # [-] height of the base, of that at the start, below which a robot has fallen
 
@@ -84,22 +81,14 @@ def _controller(plan: RunPlan, method: Method) -> ghc.Controller:
         hierarchy=given.get("hierarchy", ""),
         torque_rate_limit=0.0,
         optimization=method.settings(velocity_damping=damping),
-        **{name: given[name] for name in _LIMITS if name in given},
+        **{name: given[name] for name in LIMITS if name in given},
     )
-    with TemporaryDirectory() as folder:
-        source = find_robot(plan.scenario.robot)
-        changed = write_changed_robot(source, plan.changes, Path(folder) / "robot.yaml")
-        return ghc.Controller(ghc.load_robot(str(changed)), settings)
+    return ghc.Controller(planned_robot(plan), settings)
 
 
 def _schedule(controller: ghc.Controller, planned: PlannedPhase) -> Span:
     """Send the transition of a phase; GhcError where the formulation rejects it."""
-    phase, names = planned.phase, controller.robot.task_names
-    if phase.table is None:
-        matrix = ghc.matrix_from_hierarchy(names, phase.hierarchy)
-    else:
-        entries = [entry for row in phase.table.alpha for entry in row]
-        matrix = ghc.PriorityMatrix.from_rows(names, phase.table.tasks, entries)
-    transition = ghc.Transition(matrix, planned.start, planned.ramp, hierarchy=phase.hierarchy)
+    transition = planned_transition(planned, controller.robot.task_names)
     controller.add_transition(transition, 0.0)
-    return Span(phase.hierarchy, matrix.alpha, planned.start, planned.end)
+    alpha = transition.target.alpha
+    return Span(planned.phase.hierarchy, alpha, planned.start, planned.end)
