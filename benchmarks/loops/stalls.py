@@ -63,8 +63,8 @@ def _count(cpu: int, priority: int, seconds: float) -> int:
 def main() -> None:
     """One processor as it is asked for, or a line for each."""
     if len(sys.argv) > 1:
-        cpu, priority, seconds = sys.argv[1:]
-        print(_count(int(cpu), int(priority), float(seconds)))
+        number, priority, seconds = sys.argv[1:]
+        print(_count(int(number), int(priority), float(seconds)))
         return
     for cpu, late in stalls().items():
         print(f"cpu {cpu}: {late} stalls of {_LATE * 1e3:g} ms or more in {SECONDS:g} s")
