@@ -751,6 +751,7 @@ def move_joints(
     upper: Array,
     velocity: Array,
     acceleration: Array,
+    jerk: Array,
     brake: bool,
     /,
 ) -> None:
