@@ -126,7 +126,7 @@ class TargetStream:
         return np.concatenate(result)
 
     def _bandwidth(self, time: float) -> float:
-        """[1/s] at a time [s]: at most a share of the rate of the samples, but not after a jump."""
+        """[1/s] at a time [s]: at most a share of the rate of samples, but not after a jump."""
         interval = self._estimators[0].interval
         if interval is None or time < self._answered:
             return self._settings.bandwidth
