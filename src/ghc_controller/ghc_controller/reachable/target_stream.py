@@ -15,7 +15,7 @@ from ghc_controller.references.follower import Follower, ReferenceSpace
 from ghc_controller.types import Array
 
 _AHEAD = 0.1  # [s] a stamp farther ahead of the robot's time belongs to another clock
-_PER_SAMPLE = 0.6  # [-] most of the bandwidth times the mean interval of samples
+_PER_SAMPLE = 0.7  # [-] most of the bandwidth times the mean interval of samples
 _ANSWER = 10.0  # [-] times 1 / bandwidth after which the filter has answered a jump
 CONFIRMATIONS = 2  # further samples near a first one that is far away
 
@@ -105,6 +105,8 @@ class TargetStream:
         """
         if not self._estimators:
             return np.concatenate([position for position, _ in self._followed])
+        w = self._bandwidth(time)
+        rest = math.exp(-w * period)
         result = []
         for i, (estimator, rotation) in enumerate(
             zip(self._estimators, self._rotations, strict=True)
@@ -116,8 +118,6 @@ class TargetStream:
             error = difference(position, before, rotation)
             if np.linalg.norm(error) > self._settings.jump:
                 self._answered = time + _ANSWER / self._settings.bandwidth
-            w = self._bandwidth(time)
-            rest = math.exp(-w * period)
             slope = (velocity - earlier) + w * error
             now = (error + slope * period) * rest
             change = slope * rest - w * now
