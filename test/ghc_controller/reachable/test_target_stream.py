@@ -119,7 +119,7 @@ def test_without_samples_the_target_returns_to_the_last_one() -> None:
 
 
 def test_rare_samples_are_followed_slower_but_a_jump_is_not() -> None:
-    """The filter's way to a jump of 0.3 m is nearly the same at 10 and 100 Hz; one of 2 cm is slower."""
+    """A jump of 0.3 m is followed at 10 Hz nearly as at 100 Hz; one of 2 cm is slower."""
 
     def way(rate: float, jump: float) -> float:
         stream = TargetStream(load_robot("kuka_lwr").tasks[0], ReachableSettings())
