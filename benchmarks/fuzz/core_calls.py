@@ -97,7 +97,7 @@ def _of_motions(rng: np.random.Generator) -> list[Call]:
         (native.motion_of, [points, place, 0.01]),
         (
             native.move_joints,
-            [np.zeros((steps + 1, 3, n)), 1, *vectors, np.ones(n), np.ones(n), False],
+            [np.zeros((steps + 1, 3, n)), 1, *vectors, *np.ones((3, n)), False],
         ),
         (
             native.distance_row,

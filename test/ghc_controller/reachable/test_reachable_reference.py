@@ -11,6 +11,7 @@ import pytest
 from ghc_controller.errors import ConfigurationError, InvalidValue, UnknownName
 from ghc_controller.numerics.rotation import rotation_exp
 from ghc_controller.reachable import JointLimitsOfMotion, ReachableReference, ReachableSettings
+from ghc_controller.reachable.joint_motion import JointMotion
 from ghc_controller.reachable.tangent import difference, moved
 from ghc_controller.references.reference import ReferenceTrajectory
 from ghc_controller.robot.library import find_robot, load_robot
@@ -75,6 +76,24 @@ def test_the_motion_keeps_its_limits_and_is_one(seed: int) -> None:
     assert np.abs(np.diff(v, axis=0) - 1e-3 * a[1:]).max() < 1e-9
     assert np.abs(np.diff(q, axis=0) - 0.5e-3 * (v[1:] + v[:-1])).max() < 1e-9
     assert np.abs(np.diff(a, axis=0)).max() < 0.3  # [rad/s^2] per ms: 4 A / window
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_answer_to_a_jump_begins_and_brakes_within_the_jerk_limit(seed: int) -> None:
+    """Goals at rest 0.4 to 1 rad away: until all joints are near, no jerk beyond the limit."""
+    random = np.random.default_rng(seed)
+    limits = JointLimitsOfMotion.of(load_robot("kuka_lwr").model, ReachableSettings())
+    way = random.uniform(0.4, 1.0, 7) * random.choice([-1.0, 1.0], 7)
+    goal = np.clip(Q + way, limits.lower, limits.upper)
+    goal = np.where(np.abs(goal - Q) < 0.3, Q - way, goal)
+    motion = JointMotion(limits, 0.12, Q)
+    rows = np.concatenate([motion.advance(goal, np.zeros(7), 10) for _ in range(300)])
+    far = np.abs(goal - rows[1:, 0]) > 0.05
+    jerk = np.abs(np.diff(rows[:, 2], axis=0)) / 1e-3
+    assert jerk[far].max() <= 12.0 + 1e-6
+    assert np.abs(rows[-1, 0] - goal).max() < 1e-6  # and it comes to rest there
+    assert np.abs(rows[-1, 1:]).max() < 1e-5
+    assert (np.sign(goal - Q) * (rows[:, 0] - goal)).max() < 1e-3  # without going beyond
 
 
 def test_plans_meet_without_a_step_and_end_at_rest() -> None:
@@ -173,7 +192,7 @@ def test_what_cannot_be_used_is_refused() -> None:
 def test_limits_lie_inside_those_of_the_robot() -> None:
     model = load_robot("kuka_lwr").model
     limits = JointLimitsOfMotion.of(model, ReachableSettings())
-    assert np.allclose(limits.lower, model.position_lower + 0.02)
+    assert np.allclose(limits.lower, model.position_lower + 0.05)
     assert np.allclose(limits.velocity, 0.8 * model.velocity_limit)
 
 

@@ -116,3 +116,23 @@ def test_without_samples_the_target_returns_to_the_last_one() -> None:
     assert np.array_equal(position, estimator.sample)
     assert not velocity.any()
     assert not acceleration.any()
+
+
+def test_rare_samples_are_followed_slower_but_a_jump_is_not() -> None:
+    """A jump of 0.3 m is followed at 10 Hz nearly as at 100 Hz; one of 2 cm is slower."""
+
+    def way(rate: float, jump: float) -> float:
+        stream = TargetStream(load_robot("kuka_lwr").tasks[0], ReachableSettings())
+        origin = np.array([0.5, 0.0, 0.5])
+        stream.begin(origin)
+        for k in range(20):
+            stream.add(k / rate, origin, k / rate)
+        for k in range(100):
+            stream.follow(19.0 / rate + 0.01 * k, 0.01)
+        time = 20.0 / rate
+        stream._estimators[0].restart(time, origin + [jump, 0.0, 0.0])
+        places = [stream.follow(time + 0.01 * k, 0.01)[0] for k in range(1, 16)]
+        return float(places[-1]) - 0.5
+
+    assert way(10.0, 0.3) == pytest.approx(way(100.0, 0.3), rel=0.06)  # but for one plan
+    assert way(10.0, 0.02) < 0.8 * way(100.0, 0.02)

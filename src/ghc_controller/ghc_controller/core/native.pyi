@@ -761,6 +761,7 @@ def move_joints(
     upper: Array,
     velocity: Array,
     acceleration: Array,
+    jerk: Array,
     brake: bool,
     /,
 ) -> None:

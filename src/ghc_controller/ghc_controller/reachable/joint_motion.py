@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ class JointLimitsOfMotion:
     upper: Array
     velocity: Array  # [rad/s], [m/s] magnitude
     acceleration: Array  # [rad/s^2], [m/s^2] magnitude
+    jerk: Array  # [rad/s^3], [m/s^3] magnitude far from a goal
 
     @classmethod
     def of(cls, model: RobotModel, settings: ReachableSettings) -> JointLimitsOfMotion:
@@ -33,12 +34,13 @@ class JointLimitsOfMotion:
             model.position_upper - margin,
             settings.velocity_share * model.velocity_limit,
             np.full(model.na, settings.acceleration),
+            np.full(model.na, settings.jerk),
         )
 
     def containing(self, q: Array) -> JointLimitsOfMotion:
         """The same, widened to contain positions q (n,)."""
         lower, upper = np.minimum(self.lower, q), np.maximum(self.upper, q)
-        return JointLimitsOfMotion(lower, upper, self.velocity, self.acceleration)
+        return replace(self, lower=lower, upper=upper)
 
 
 class JointMotion:
@@ -103,6 +105,7 @@ class JointMotion:
             limits.upper,
             limits.velocity,
             limits.acceleration,
+            limits.jerk,
             brake,
         )
         return longer

@@ -27,12 +27,18 @@ class ReachableSettings:
     acceleration: float = declared(
         "limit of every joint of the reference", 2.5, unit="rad/s^2, m/s^2", domain=POSITIVE
     )
+    jerk: float = declared(
+        "limit of joints that are far from their goals",
+        12.0,
+        unit="rad/s^3, m/s^3",
+        domain=POSITIVE,
+    )
     velocity_share: float = declared(
         "of the robot's velocity limits", 0.8, unit="-", domain=Range(above=0.0, maximum=1.0)
     )
     position_margin: float = declared(
         "kept from position limits, at most 5 % of a range",
-        0.02,
+        0.05,
         unit="rad, m",
         domain=NOT_NEGATIVE,
     )

@@ -15,6 +15,8 @@ from ghc_controller.references.follower import Follower, ReferenceSpace
 from ghc_controller.types import Array
 
 _AHEAD = 0.1  # [s] a stamp farther ahead of the robot's time belongs to another clock
+_PER_SAMPLE = 0.7  # [-] most of the bandwidth times the mean interval of samples
+_ANSWER = 10.0  # [-] times 1 / bandwidth after which the filter has answered a jump
 CONFIRMATIONS = 2  # further samples near a first one that is far away
 
 
@@ -40,6 +42,7 @@ class TargetStream:
         self._clock = ArrivalClock(self._settings.jitter)
         self._estimators: list[MotionEstimator] = []
         self._followed: list[tuple[Array, Array]] = []  # position, velocity of the filter
+        self._answered = -math.inf  # [s] when the answer to the last jump ends
         self._far: list[tuple[float, list[Array]]] = []  # samples that wait for confirmation
 
     @property
@@ -97,11 +100,12 @@ class TargetStream:
         """Position (position_size,) of the filter at `time` [s], `period` [s] after the last one.
 
         Critically damped towards a target that moves at its estimated acceleration: the error
-        e = (e_0 + (e_0' + w e_0) t) exp(-w t), no lag at constant acceleration.
+        e = (e_0 + (e_0' + w e_0) t) exp(-w t), no lag at constant acceleration. Samples that come
+        rarely lower w, except while a jump is answered.
         """
         if not self._estimators:
             return np.concatenate([position for position, _ in self._followed])
-        w = self._settings.bandwidth
+        w = self._bandwidth(time)
         rest = math.exp(-w * period)
         result = []
         for i, (estimator, rotation) in enumerate(
@@ -112,12 +116,21 @@ class TargetStream:
             earlier = rate - period * acceleration
             before = moved(goal, -0.5 * period * (rate + earlier), rotation)
             error = difference(position, before, rotation)
+            if np.linalg.norm(error) > self._settings.jump:
+                self._answered = time + _ANSWER / self._settings.bandwidth
             slope = (velocity - earlier) + w * error
             now = (error + slope * period) * rest
             change = slope * rest - w * now
             self._followed[i] = (moved(goal, now, rotation), rate + change)
             result.append(self._followed[i][0])
         return np.concatenate(result)
+
+    def _bandwidth(self, time: float) -> float:
+        """[1/s] at a time [s]: at most a share of the rate of samples, but not after a jump."""
+        interval = self._estimators[0].interval
+        if interval is None or time < self._answered:
+            return self._settings.bandwidth
+        return min(self._settings.bandwidth, _PER_SAMPLE / interval)
 
     def _check_stamp(self, stamp: float, now: float) -> None:
         name = f"target of '{self.task.name}', stamp"

@@ -16,6 +16,10 @@ constexpr double kWholeStep = 1e-6;   // [-] of a step, by which a time may fall
 constexpr double kMotionStep = 1e-3;  // [s] h
 constexpr double kBandwidth = 30.0;   // [1/s] of both poles
 constexpr double kProfile = 0.6;      // [-] of the acceleration limit that an approach plans with
+constexpr double kAhead = 0.1;        // [s] in which a goal of another velocity counts as farther
+constexpr double kNear = 0.01;        // [rad] of a goal, within which the jerk limit grows
+constexpr double kFollowed = 0.06;    // [rad] of a goal, within which its velocity counts in full
+constexpr double kSmallest = 1e-6;    // [rad] the least distance that counts
 
 using ConstVector3 = Eigen::Map<const Vector3>;
 
@@ -82,8 +86,47 @@ double inside(double place, Index last) {
   return place > 0.0 ? std::min(place, static_cast<double>(last)) : 0.0;
 }
 
+double squared(double value) { return value * value; }
+
 double clamped(double value, double least, double most) {
   return std::min(std::max(value, least), most);
+}
+
+// Towards a goal, in the direction in which it lies, else away from it.
+double speed_at(double distance, double planned) {
+  constexpr double k1 = 0.5 * kBandwidth;
+  const double size = std::abs(distance);
+  const double speed = size < planned / (k1 * k1)
+                           ? k1 * size
+                           : std::sqrt(2.0 * planned * (size - 0.5 * planned / (k1 * k1)));
+  return distance > 0.0 ? speed : -speed;
+}
+
+struct JointState {
+  double e, v, a, rate;  // distance of the goal, velocity, acceleration, velocity of the goal
+};
+
+// Acceleration of a joint; limits of velocity, acceleration and jerk.
+double approach(const JointState& now, double fastest, double A, double jerk) {
+  constexpr double h = kMotionStep, k2 = 2.0 * kBandwidth;
+  const double v = now.v, a = now.a, planned = kProfile * A, size = std::abs(now.e);
+  const double apart = std::max({size, kAhead * std::abs(now.rate - v), kSmallest});
+  const double J = jerk * std::max(1.0, squared(kNear / apart));
+  const double rate = now.rate * std::min(1.0, squared(kFollowed / apart));
+  // Distance and speed once the acceleration has gone down to that of braking, as J allows.
+  const double side = now.e > 0.0 ? 1.0 : -1.0;
+  double distance = size, speed = side * (v - rate);
+  const double lasts = (side * a + planned) / J;
+  if (lasts > h) {
+    distance -= lasts * (speed + lasts * (0.5 * side * a - lasts * J / 6.0));
+    speed += lasts * (side * a - 0.5 * lasts * J);
+  }
+  const double wanted = clamped(rate + side * speed_at(distance, planned), -fastest, fastest);
+  double x = clamped(k2 * (wanted - (rate + side * speed)), -A, A);
+  const double up = std::sqrt(2.0 * J * std::max(0.0, fastest - v));  // stops at the limit
+  const double down = std::sqrt(2.0 * J * std::max(0.0, fastest + v));
+  x = clamped(clamped(x, -down, up), a - J * h, a + J * h);
+  return clamped(x, -(fastest + v) / h, (fastest - v) / h);
 }
 
 }  // namespace
@@ -181,7 +224,7 @@ void motion_of_points(const ConstMatrix& points, double place, double step, doub
 
 void move_joints(double* rows, Index count, Index n, Index first, const double* goal,
                  const double* rate, const MotionLimits& limits, bool brake) {
-  constexpr double h = kMotionStep, k1 = 0.5 * kBandwidth, k2 = 2.0 * kBandwidth;
+  constexpr double h = kMotionStep;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (Index k = first; k < count; ++k) {
     const double* before = rows + 3 * n * (k - 1);
@@ -191,12 +234,8 @@ void move_joints(double* rows, Index count, Index n, Index first, const double* 
       double change = -v;
       if (!brake) {
         const double e = goal[i] - static_cast<double>(count - 1 - k) * h * rate[i] - q - h * v;
-        const double planned = kProfile * A, size = std::abs(e);
-        const double speed = size < planned / (k1 * k1)
-                                 ? k1 * size
-                                 : std::sqrt(2.0 * planned * (size - 0.5 * planned / (k1 * k1)));
-        const double wanted = rate[i] + (e > 0.0 ? speed : -speed);
-        change = k2 * h * (clamped(wanted, -limits.velocity[i], limits.velocity[i]) - v);
+        const JointState now = {e, v, before[2 * n + i], rate[i]};
+        change = h * approach(now, limits.velocity[i], A, limits.jerk[i]);
       }
       double after = v + clamped(change, -A * h, A * h);
       double room = 2.0 * A * (limits.upper[i] - q - 0.5 * v * h);

@@ -35,14 +35,18 @@ void motion_of_points(const ConstMatrix& points, double place, double step, doub
                       double* acceleration);
 
 struct MotionLimits {
-  const double *lower, *upper, *velocity, *acceleration;  // (n,)
+  const double *lower, *upper, *velocity, *acceleration, *jerk;  // (n,)
 };
 
 // Fill states (s, 3, n) of joints from `first` on, each 1 ms after the one before.
 //
 // v_d = rate + k_1 e, near the goal linear, else as braking with a share of the limit allows;
 // a = k_2 (v_d - v). A velocity v' is allowed if braking from it ends before the position limit:
-// q + v h / 2 + v' h + v'^2 / 2 A <= upper, which braking by A h per step preserves.
+// q + v h / 2 + v' h + v'^2 / 2 A <= upper, which braking by A h per step preserves. That comes
+// before the jerk limit.
+//
+// d = max(abs(e), 0.1 s abs(rate - v)): a change by at most jerk max(1, (0.01 / d)^2) h per step,
+// with e and v as they will be once a has gone down to that of braking; rate min(1, (0.06 / d)^2).
 void move_joints(double* rows, Index count, Index n, Index first, const double* goal,
                  const double* rate, const MotionLimits& limits, bool brake);
 

@@ -82,18 +82,18 @@ nb::tuple motion_of(nb::handle points, double place, double step) {
 }
 
 void move(nb::handle rows, Index first, nb::handle goal, nb::handle rate, nb::handle lower,
-          nb::handle upper, nb::handle velocity, nb::handle acceleration, bool brake) {
+          nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle jerk, bool brake) {
   const Written states(rows, 3);
   const In to(goal, 1), by(rate, 1), low(lower, 1), high(upper, 1), fast(velocity, 1),
-      strong(acceleration, 1);
+      strong(acceleration, 1), smooth(jerk, 1);
   const Index n = states.shape(2);
   bool equal = states.shape(1) == 3 && first >= 1 && first <= states.shape(0);
-  for (const In* one : {&to, &by, &low, &high, &fast, &strong}) {
+  for (const In* one : {&to, &by, &low, &high, &fast, &strong, &smooth}) {
     equal = equal && one->entries() == n;
   }
   fits(equal, "states (s, 3, n) of which the first is given, and vectors (n,) expected");
   move_joints(states.data(), states.shape(0), n, first, to.data(), by.data(),
-              {low.data(), high.data(), fast.data(), strong.data()}, brake);
+              {low.data(), high.data(), fast.data(), strong.data(), smooth.data()}, brake);
 }
 
 double row_of_obstacle(nb::handle jacobian, nb::handle position, nb::handle velocity,
