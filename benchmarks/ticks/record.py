@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 import ghc_controller as ghc
+from benchmarks.compare.runs.planned import LIMITS, planned_robot, planned_transition
 from benchmarks.fencing_loop import start
-from benchmarks.planned_runs import LIMITS, planned_robot, planned_transition
 from benchmarks.ticks.tick_file import STATES, save
 from ghc_sim_bridge import Simulator
 from ghc_sim_bridge.scenario.plan import RunOptions, RunPlan

@@ -31,6 +31,7 @@ ALLOWED = {
     "ghc_controller.qp": "solvers are compared",
     "ghc_controller.reachable": "references that can be followed, without a face",
     "ghc_controller.references.plausibility": "fuzzed",
+    "ghc_controller.report.valid_json": "reports in JSON are written as everywhere",
     "ghc_controller.robot.first_files": "files of new_robot, as its command writes them",
     "ghc_controller.robot.library": "the path of a robot.yaml that is to be changed",
     "ghc_controller.robot.robot": "fuzzed",

@@ -10,8 +10,8 @@ from benchmarks.compare.case import Result
 from benchmarks.compare.method import Method
 from benchmarks.compare.runs.closed_loop import Loop, Span, run_loop
 from benchmarks.compare.runs.measures import measure
+from benchmarks.compare.runs.planned import LIMITS, planned_robot, planned_transition
 from benchmarks.fencing_loop import start
-from benchmarks.planned_runs import LIMITS, planned_robot, planned_transition
 from ghc_sim_bridge import Simulator
 from ghc_sim_bridge.scenario.fields import Scenario
 from ghc_sim_bridge.scenario.plan import PlannedPhase, RunOptions, RunPlan

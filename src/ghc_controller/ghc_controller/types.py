@@ -26,11 +26,13 @@ _NO_WRENCHES: Mapping[str, Array] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """Measured state of the robot at one instant, in the joint order of the RobotModel."""
+    """Measured state of the robot at one instant, in the joint order of the RobotModel.
+
+    Of a floating base q begins with position [m] and unit quaternion x, y, z, w in the world, v
+    with linear [m/s] and angular velocity in base axes.
+    """
 
     time: float  # [s]
-    # Of a floating base first: position [m] and unit quaternion x, y, z, w in the world; linear
-    # [m/s] and angular velocity in base axes.
     q: Array  # (nq,) [rad]
     v: Array  # (n,) [rad/s]
     torque: Array | None = None  # (a,) [Nm] applied over the last period; NaN: not measured

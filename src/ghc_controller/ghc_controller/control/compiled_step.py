@@ -85,9 +85,11 @@ class CompiledStep:
             time, state.q, state.v, mixture[1], solver.step_time
         )
         if type(found) is StepResult:
-            pivots = solver.step_pivots = found[3][7]  # `solution.iterations`, by their places
-            if pivots:
-                solver.qps += core.qps
+            solution = found[3]  # its parts by their places, which names would take longer for
+            if solution[4]:  # qp_solved
+                solver.account(solution[7], core.qps)  # iterations
+            else:
+                solver.step_pivots = 0
         elif found is not None:
             self._rests = False
             solver.end = core.end
