@@ -19,7 +19,8 @@ from ghc_controller.core import native
 from ghc_controller.types import Array
 
 Call = tuple[Callable[..., Any], list[Any]]
-DOCUMENTED = (ValueError, TypeError, IndexError, RuntimeError)
+# OverflowError: an integer that no index holds.
+DOCUMENTED = (ValueError, TypeError, IndexError, RuntimeError, OverflowError)
 
 
 def sound_calls(rng: np.random.Generator) -> list[Call]:
