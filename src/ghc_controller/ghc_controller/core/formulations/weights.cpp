@@ -24,6 +24,7 @@ void priority_weights(const ConstMatrix& alpha, double ratio, double spread,
 
 void weighted_system(const TaskRows& tasks, const ConstVector& target, const Vector& weights,
                      double damping, Eigen::Ref<Matrix> hessian, Eigen::Ref<Vector> right) {
+  if (hessian.rows() == 0) return;  // contacts hold every motion
   Vector values;
   Matrix weighted;
   hessian.setZero();

@@ -21,8 +21,7 @@ class GivenTasks {
       const std::int64_t least = i ? starts_.data()[i - 1] : 0;
       ordered = starts_.data()[i] >= least && starts_.data()[i] <= m;
     }
-    fits(ordered && d() > 0,
-         "J (m, d) with d > 0, the first rows (k + 1,) and priorities (k, k) expected");
+    fits(ordered, "J (m, d), the first rows (k + 1,) and priorities (k, k) expected");
   }
 
   TaskRows tasks() const { return {jacobian_.matrix(), starts_.data(), alpha_.matrix()}; }
