@@ -14,6 +14,7 @@ from ghc_controller.tasks.stack import TaskStack
 from ghc_controller.tasks.task import Task
 from ghc_controller.types import Array, RobotState, TaskRows, TaskTarget
 
+_BENT = {"hip_pitch": 0.41, "knee": -0.9, "ankle_pitch": -0.49}  # [rad], of both legs of iCub
 ROBOTS = ("kuka_lwr", "manipulator", "humanoid")  # the last has a floating base, 32 coordinates
 
 
@@ -38,6 +39,14 @@ def random_state(robot: str, rng: np.random.Generator) -> RobotState:
     model = pin_model(robot)
     q = pin.integrate(model, pin.neutral(model), rng.uniform(-1.0, 1.0, model.nv))
     return RobotState(0.0, q, rng.uniform(-1.0, 1.0, model.nv))
+
+
+def on_bent_knees(model: RobotModel, time: float) -> RobotState:
+    """iCub at rest on both soles, its knees bent, at a time [s]."""
+    q = model.q.copy()
+    for place, name in enumerate(model.joint_names, start=model.nq - model.na):
+        q[place] = _BENT.get(name[2:], 0.0)
+    return RobotState(time, q, np.zeros(model.nv))
 
 
 def moved(robot: str, q: Array, step: Array) -> Array:

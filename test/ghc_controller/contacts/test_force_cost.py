@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from model_states import on_bent_knees
 from scipy.optimize import minimize
 
 from ghc_controller.contacts import Contact, ForceCost
@@ -16,7 +17,7 @@ from ghc_controller.robot.library import find_robot
 from ghc_controller.robot.robot import Robot, load_robot_config
 from ghc_controller.schema.reader import Fields
 from ghc_controller.settings import Settings
-from ghc_controller.types import Array, RobotState
+from ghc_controller.types import Array
 
 WEIGHT = 1e-4  # [-] on |f|^2
 STANDING = 300.0  # [N] W
@@ -179,15 +180,6 @@ def standing() -> Controller:
     return Controller.for_robot("icub", Settings(torque_rate_limit=0.0))
 
 
-def _state(controller: Controller, time: float) -> RobotState:
-    model = controller.model
-    q = model.q.copy()
-    legs = {"hip_pitch": 0.41, "knee": -0.9, "ankle_pitch": -0.49}
-    for place, name in enumerate(model.joint_names, start=model.nq - model.na):
-        q[place] = legs.get(name[2:], 0.0)
-    return RobotState(time, q, np.zeros(model.nv))
-
-
 def _lean_on_the_palm(controller: Controller) -> None:
     """From now on the right palm carries as well."""
     names = controller.contacts.names
@@ -205,10 +197,12 @@ def _lean_on_the_palm(controller: Controller) -> None:
 def test_the_first_step_is_not_felt_by_the_next(standing: Controller) -> None:
     """It knows no forces and solves again; so does a step in which a contact comes on."""
     standing.reset()
-    first, second = (standing.step(_state(standing, 1e-3 * k)).torque for k in range(2))
+    first, second = (
+        standing.step(on_bent_knees(standing.model, 1e-3 * k)).torque for k in range(2)
+    )
     assert np.allclose(first, second, atol=1e-4)
     _lean_on_the_palm(standing)
-    third, fourth = (standing.step(_state(standing, 1e-3 * k)).torque for k in (2, 3))
+    third, fourth = (standing.step(on_bent_knees(standing.model, 1e-3 * k)).torque for k in (2, 3))
     assert np.abs(third - second).max() > 1.0  # one more hand carries
     assert np.allclose(third, fourth, atol=5e-3)
 
@@ -216,9 +210,11 @@ def test_the_first_step_is_not_felt_by_the_next(standing: Controller) -> None:
 def test_a_first_step_that_is_asked_again_is_a_first_step_still(standing: Controller) -> None:
     """As in lockstep, where the first state is repeated until everything has been said."""
     standing.reset()
-    alone = standing.step(_state(standing, 0.0)).torque
+    alone = standing.step(on_bent_knees(standing.model, 0.0)).torque
     _lean_on_the_palm(standing)
-    again, after = (standing.step(_state(standing, 1e-3 * k)).torque for k in range(2))
+    again, after = (
+        standing.step(on_bent_knees(standing.model, 1e-3 * k)).torque for k in range(2)
+    )
     assert np.abs(again - alone).max() > 1.0
     assert np.allclose(again, after, atol=5e-3)
 
@@ -231,7 +227,7 @@ def test_a_repeated_time_changes_nothing(standing: Controller, steps: int) -> No
         standing.reset()
         for k in range(steps):
             for _ in range(repeats):
-                answer = standing.step(_state(standing, 1e-3 * k))
+                answer = standing.step(on_bent_knees(standing.model, 1e-3 * k))
         torques.append(answer.torque)
     assert np.allclose(torques[0], torques[1], rtol=0.0, atol=1e-12)
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from model_states import on_bent_knees
 
 from benchmarks.ramps.share_ramps import follow, orders_of
 from benchmarks.random_tasks import Reach, random_references, strict_matrix
@@ -16,9 +17,7 @@ from ghc_controller.controller import Controller
 from ghc_controller.formulations import make_formulation
 from ghc_controller.hierarchy import Priorities, PriorityMatrix, Profile, Transition
 from ghc_controller.settings import Settings
-from ghc_controller.types import Array, RobotState
-
-_BENT = {"hip_pitch": 0.41, "knee": -0.9, "ankle_pitch": -0.49}  # [rad]
+from ghc_controller.types import Array
 
 
 @pytest.fixture(scope="module")
@@ -27,18 +26,9 @@ def standing() -> Controller:
     return Controller.for_robot("icub", Settings(torque_rate_limit=0.0))
 
 
-def _state(controller: Controller, time: float) -> RobotState:
-    """At rest on both soles with its knees bent."""
-    model = controller.model
-    q = model.q.copy()
-    for place, name in enumerate(model.joint_names, start=model.nq - model.na):
-        q[place] = _BENT.get(name[2:], 0.0)
-    return RobotState(time, q, np.zeros(model.nv))
-
-
 def _begin(controller: Controller, rng: np.random.Generator) -> list[int]:
     """Start anew with random targets; a random order of the tasks."""
-    state = _state(controller, 0.0)
+    state = on_bent_knees(controller.model, 0.0)
     controller.reset()
     controller.observe(state)
     references = random_references(controller.robot, rng, Reach())
@@ -57,7 +47,7 @@ def test_a_ramp_is_linear_in_contact(standing: Controller, kind: str, seed: int)
     """
     rng = np.random.default_rng(seed)
     orders = orders_of(kind, _begin(standing, rng), rng)
-    for ramp in follow(standing, _state(standing, 0.0), orders):
+    for ramp in follow(standing, on_bent_knees(standing.model, 0.0), orders):
         assert ramp.finished
         assert ramp.unsolved == 0
         assert ramp.largest_share < 0.0101
@@ -83,7 +73,7 @@ def test_a_budget_of_torque_rate_is_kept_in_contact(
             order = rng.permutation(order).tolist()
             rate = budget if step else 0.0
             standing.add_transition(Transition(matrix, time, 0.0, torque_rate=rate), time)
-        torques.append(standing.step(_state(standing, time)).torque.copy())
+        torques.append(standing.step(on_bent_knees(standing.model, time)).torque.copy())
     steps = np.abs(np.diff(torques[19:], axis=0)).max(axis=1)
     assert steps.max() <= 1.001 * 1e-3 * budget
     assert steps[5] >= 0.999 * 1e-3 * budget
@@ -109,7 +99,7 @@ def test_a_hand_over_in_a_ramp_keeps_the_forces_of_each_candidate(
                 standing.add_transition(Transition(matrix, time, 0.05 if step else 0.0), time)
             if handed_over and step == 40:
                 standing.tune({"rank_tolerance": 2e-4}, 0.02)  # which cascade does not use
-            torques.append(standing.step(_state(standing, time)).torque.copy())
+            torques.append(standing.step(on_bent_knees(standing.model, time)).torque.copy())
         runs.append(np.array(torques))
     assert standing.formulation.name == "cascade"
     np.testing.assert_allclose(runs[1], runs[0], rtol=0.0, atol=1e-6)
@@ -127,7 +117,7 @@ def test_the_problem_of_a_step_is_the_one_that_it_solved(standing: Controller, s
             matrix = PriorityMatrix(names, strict_matrix(order, len(names)))
             duration, order = (0.1 if step else 0.0), rng.permutation(order).tolist()
             standing.add_transition(Transition(matrix, time, duration, Profile.LINEAR), time)
-        torque = standing.step(_state(standing, time)).torque
+        torque = standing.step(on_bent_knees(standing.model, time)).torque
         problem = standing.problem()
         candidates = problem.priorities.candidates
         assert len(candidates) == len(problem.own_costs() or candidates) == (2 if step > 4 else 1)
