@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import ghc_controller as ghc
-from benchmarks.loops.stalls import PRIORITY, calmest_processor
+from benchmarks.loops.stalls import calmest_processor, permitted_priority
 from benchmarks.machine import load_average, machine_facts
 from ghc_controller.report.valid_json import json_text
 from ghc_sim_bridge.logs.full_rate_log import FullRateLog
@@ -42,7 +42,7 @@ def run_realtime(output: Path, *, quick: bool) -> dict[str, Any]:
     """Measure, print, write `realtime.json`; its content."""
     duration, rounds = _QUICK if quick else _FULL
     found: dict[str, list[float]] = {name: [] for name in ("bare", "stack", "bare_lost", "lost")}
-    before, priority = load_average(), PRIORITY if may_be_realtime() else 0
+    before, priority = load_average(), permitted_priority()
     cpu = calmest_processor(priority)
     for number in range(rounds):
         print(f"bench: real time, {number + 1} of {rounds}", file=sys.stderr, flush=True)
@@ -75,17 +75,6 @@ def run_realtime(output: Path, *, quick: bool) -> dict[str, Any]:
     output.mkdir(parents=True, exist_ok=True)
     (output / "realtime.json").write_text(json_text(results, 1) + "\n", encoding="utf-8")
     return results
-
-
-def may_be_realtime() -> bool:
-    """Whether this process may ask for PRIORITY."""
-    try:
-        now = os.sched_getscheduler(0), os.sched_getparam(0)
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
-        os.sched_setscheduler(0, *now)
-    except OSError:
-        return False
-    return True
 
 
 @contextmanager
